@@ -233,8 +233,8 @@ TEST(LevelCalibration, IsTheSameWhateverTheMachine)
 
 namespace
 {
-/// Two sheets that face away from each other, each of two layers of balls. The layers are closer than coarse balls are wide, so coarse
-/// balls mix both sides of both sheets.
+/// Two sheets that face away from each other, each of two layers of balls. The layers are closer than the width of coarse balls, so
+/// these mix both sides of both sheets.
 InnerSphereTree thinBody(int count, unsigned seed)
 {
 	constexpr double kApart = 0.07, kTilt = 0.3;
@@ -304,7 +304,7 @@ TEST(LevelCalibration, HoldsInPosesThatItWasNotMeasuredIn)
 	{
 		const double c = body.calibration[i + 1];
 		const auto held = double(std::upper_bound(needed[i].begin(), needed[i].end(), c) - needed[i].begin());
-		// In the mean 57 of 60 poses stay within the bound; fewer than 52 do so by chance once in a thousand times.
+		// On average 57 of 60 poses stay within the bound. The probability that fewer than 52 do is 0.1 %.
 		EXPECT_GE(held, 52) << "level " << i;
 		if (c > 0.15)
 		{

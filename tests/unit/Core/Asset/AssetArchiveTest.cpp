@@ -55,7 +55,7 @@ TEST(AssetArchive, TakesAtMostFortyBytesASphere)
 	EXPECT_EQ(p.archived.origin, p.tree.origin);
 }
 
-// A ball inside a ball that neither overlaps others nor protrudes does not do so either.
+// Original balls neither overlap each other nor leave the body. So balls inside them do not either.
 TEST(AssetArchive, EachSphereLiesInsideItsOriginal)
 {
 	const Packed& p = packedTorus();

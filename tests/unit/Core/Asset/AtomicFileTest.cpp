@@ -206,7 +206,7 @@ TEST_F(AtomicFile, WhatCannotBeWrittenIsSaidBeforehandAsAfterwards)
 TEST_F(AtomicFile, AskingWhetherAPipeIsWritableDoesNotEndItsReading)
 {
 	ASSERT_EQ(::mkfifo(at("pipe").c_str(), 0600), 0);
-	EXPECT_FALSE(whyNotWritable(at("pipe")));  // holds without a reader, too
+	EXPECT_FALSE(whyNotWritable(at("pipe")));  // also true without a reader
 	std::string read;
 	std::thread reader([&] { read = content(at("pipe")); });
 	EXPECT_FALSE(whyNotWritable(at("pipe")));
@@ -300,7 +300,7 @@ TEST_F(AtomicFile, AMappedPartThatWasPopulatedIsReadWithoutAFault)
 	const std::byte* bytes = file.value().bytes();
 	const size_t page = size_t(::sysconf(_SC_PAGESIZE));
 	if (::madvise(const_cast<std::byte*>(bytes), page, MADV_POPULATE_READ) != 0) GTEST_SKIP() << "this system cannot";
-	// The ranges: from the middle of one page to that of another; an empty one; one up to the end, which is not a whole page.
+	// The ranges: from the middle of one page to that of another; an empty one; one up to the end, which is inside a page.
 	populate(bytes + page + 17, 100 * page);
 	populate(bytes + 3, 0);
 	populate(bytes + 102 * page + 5, text.size() - (102 * page + 5));

@@ -11,7 +11,7 @@ namespace
 {
 uint64_t sumOf(const std::string& text) { return checksum64(reinterpret_cast<const std::byte*>(text.data()), text.size()); }
 
-// These values were published with the algorithm: the empty text, tails of one and three bytes, a stripe with a tail.
+// The values were published with the algorithm. The texts: empty, tails of one and three bytes, a stripe with a tail.
 TEST(Checksum, MatchesPublishedValues)
 {
 	EXPECT_EQ(sumOf(""), 0xef46db3751d8e999ull);

@@ -82,7 +82,7 @@ TEST(TreeBuilder, PartsFarApartAreNotCalledFlat)
 
 TEST(TreeBuilder, PartsThatAreInsideOutAreNamedWhereNoneIsTurned)
 {
-	// A cube, and beside it a cube that is smaller by a ten-thousandth and inside out.
+	// The mesh has a cube, and beside it a cube that is smaller by 0.01 % and inside out.
 	Mesh mesh = makeBoxMesh({0.5, 0.5, 0.5});
 	const Mesh other = translated(makeBoxMesh({0.49995, 0.49995, 0.49995}), {2, 0, 0});
 	const auto base = static_cast<uint32_t>(mesh.vertices.size());
@@ -170,7 +170,7 @@ TEST(TreeBuilder, SmoothBodiesUseTheirBudgetOfLeaves)
 			error += std::pow(found.total.volume / truth - 1, 2) / kPlanes;
 			honest += std::fabs(found.total.volume - truth) < 2 * overlapError(found, tree, 1).volume;
 		}
-		// A ball of 300 round leaves has 0.18.
+		// For a ball of 300 round leaves this value is 0.18.
 		EXPECT_LT(std::sqrt(error), 0.13) << (ball ? "ball" : "ellipsoid");
 		EXPECT_GE(honest / kPlanes, 0.92) << (ball ? "ball" : "ellipsoid");
 	}

@@ -119,7 +119,8 @@ TEST(TreeCache, BuildsAllTheSameWhereItCannotWrite)
 	EXPECT_NE(made.value().note.find(folder.path.string()), std::string::npos) << made.value().note;
 }
 
-// A sphere lacks its cap. The volume that the hole may have enclosed is small for 1 triangle of 1280, and everything for half of them.
+// A sphere lacks its cap. The volume that the hole may have enclosed is small if 1 triangle of 1280 is missing, and all of it if half
+// of them are.
 TEST(TreeCache, RefusesSurfacesWithoutAnInside)
 {
 	const Mesh sphere = makeSphereMesh(1, 3);
@@ -157,7 +158,7 @@ TEST(TreeCache, RepairsAnOpenMeshOnceWhereItBuildsAndNeverWhereItLoads)
 	ASSERT_TRUE(loaded);
 	EXPECT_TRUE(loaded.value().fromCache);
 	EXPECT_EQ(encodeAsset(*built.value().tree), encodeAsset(*loaded.value().tree));
-	// A tree that was built with a larger limit of doubt is refused with a smaller one.
+	// A tree that was built with a larger limit of doubt is refused if the limit is smaller.
 	EXPECT_FALSE(cachedTree(open, options, folder.path.string()));
 	EXPECT_EQ(repairs, 1);
 }

@@ -194,8 +194,8 @@ TEST(MeshDistance, ClosestPointAgreesWithBruteForceOverFinePatches)
 	}
 }
 
-/// In these places single precision can hardly tell on which side of the long edges a point lies. So it can hardly tell whether the
-/// point is in the triangle or far beyond its tip.
+/// In these places single precision hardly resolves on which side of the long edges a point lies. So it hardly resolves whether the point
+/// is in the triangle or far beyond its tip.
 TEST(MeshDistance, DistancesBeyondTheTipsOfShardsAgreeWithBruteForce)
 {
 	Random random(18);
@@ -483,7 +483,7 @@ TEST(MeshDistance, FieldAfterAnyOtherPointAgreesWithBruteForceAndWithNoHint)
 TEST(WideTriangleBvh, EveryInstructionSetGivesTheSameAnswers)
 {
 	Random random(19);
-	// The soup has more candidates than the queue of waiting ones holds.
+	// The triangle soup has more candidates than their queue can hold.
 	for (const Mesh& mesh : {torusMesh(48, 24), soupMesh(random, 400, 2.0), makeSphereMesh(1, 4), soupMesh(random, 3, 1)})
 	{
 		const TriangleHierarchy hierarchy(mesh, {});

@@ -148,7 +148,7 @@ SymmetricMatrix6 withEigenvalues(const double (&values)[6], std::mt19937& random
 }
 }  // namespace
 
-// The matrices go from clearly positive definite to clearly not. At the border it must not show which of the two code paths was taken.
+// The matrices range from clearly positive definite to clearly indefinite. At the border the two code paths must agree.
 TEST(PressureField, ProjectionIsTheSameOnBothSidesOfDefinite)
 {
 	for (const double least : {1.0, 1e-3, 1e-9, 1e-14, 1e-17, 0.0, -1e-17, -1e-14, -1e-9, -1e-3, -1.0})
@@ -195,6 +195,6 @@ TEST(PressureField, ErrorFollowsItsFormula)
 	EXPECT_NEAR(none.force, 2 * 0.105 / 8, 1e-12);
 	EXPECT_NEAR(e.volume, std::hypot(none.volume, 2 * r), 1e-12);
 	EXPECT_NEAR(e.force, 10 * std::hypot(none.force, 2 * r), 1e-12);
-	// With less than one leaf the error is a few times the answer and no more.
+	// With less than one leaf the error is a few times the answer at most.
 	EXPECT_LT(overlapError(I, 0, 0, 1).force, 10 * I.volume);
 }

@@ -87,7 +87,7 @@ TEST(AnalyticField, SidesSeenByACloudAreMeansOverItsPoints)
 						normal += point.normal / double(cloud.size());
 					}
 					const FieldSide mean = shape.field->side(s, p, spread);
-					// For a cloud on an axis or a centre the means are rounded off; there they differ by up to a twentieth.
+					// For a cloud on an axis or a centre the means are rounded off; there they differ by up to 5 %.
 					EXPECT_NEAR(mean.depth, depth, 0.06 * radius) << shape.name << " side " << s;
 					EXPECT_LT(norm(mean.normal - normal), 0.12) << shape.name << " side " << s;
 				}

@@ -178,7 +178,7 @@ std::string obj(const Faces& faces)
 	return text + indices(faces, "f ", "\n", 1);
 }
 
-/// What happens to faces whose corners do not exist.
+/// Treatment of faces whose corners do not exist.
 enum class Fate
 {
 	Counted,
@@ -244,7 +244,7 @@ TEST_P(MeshNotTaken, FacesWithCornersThatAreNotThereAreTold)
 
 TEST_P(MeshNotTaken, MoreThanHalfDamagedIsRefused)
 {
-	if (GetParam().fate == Fate::Told) return;  // the reader does not say how many
+	if (GetParam().fate == Fate::Told) return;  // the reader does not report their number
 	const std::size_t half = body().triangles.size() / 2;
 	Faces faces = damaged(half);
 	EXPECT_EQ(bool(read(GetParam().text(faces), GetParam().ending)), GetParam().fate == Fate::Counted);

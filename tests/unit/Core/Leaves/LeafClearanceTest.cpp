@@ -30,8 +30,8 @@ struct Bound
 	double r = 0;
 };
 
-/// Bounds of a tree's blocks. Fully opened, the clearance is at least their smallest distance. It is larger where a node excludes what
-/// its blocks do not.
+/// Bounds of a tree's blocks. If all nodes are opened, the clearance is at least the smallest distance of these bounds. It is larger where
+/// the bound of a node is tighter than those of its blocks.
 std::vector<Bound> blocksOf(const InnerSphereTree& body)
 {
 	std::vector<Bound> blocks;

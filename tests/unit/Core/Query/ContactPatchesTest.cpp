@@ -111,7 +111,7 @@ TEST(PatchGrouper, PairsWithoutAnyDirectionAreOnePatch)
 	EXPECT_EQ(grouper.group(*kernel, pairs.stream, 0, RandomPairs::kBalls, 8), 0);
 }
 
-// Patches are sums of the same pairs that a query without patches sums. Any number of them adds up to it, with every instruction set.
+// The patches sum the same pairs as a query without patches. Any number of patches adds up to its sums, with every instruction set.
 TEST(PatchGrouper, PatchesOfAQuerySumToTheQueryWithoutPatches)
 {
 	const InnerSphereTree A = cloudBody(700, 3), B = cloudBody(650, 4, {0.1, 0.2, -0.1});
@@ -153,7 +153,7 @@ TEST(PatchGrouper, ExtendsPatchesToPairsThatSharedABall)
 		grouper.reserve(size_t(count), 2 * kBalls, 8);
 		const int patches = grouper.group(*kernel, pairs, count, kBalls, 8);
 		const std::vector<float> group(grouper.patch(), grouper.patch() + count);
-		// After each grouped pair comes one that shares only its ball of A, and one that shares only its ball of B. The last pair
+		// Each grouped pair is followed by one that shares only its ball of A, and one that shares only its ball of B. The last pair
 		// shares neither.
 		std::vector<uint32_t> a, b;
 		for (int i = 0; i < count; ++i)
@@ -191,7 +191,7 @@ TEST(PatchGrouper, PairsOfUnknownBallsBelongToTheNearestPatch)
 		balls[unknown[cluster]] = {3.0f * float(cluster), 3.0f * float(cluster), 3.0f * float(cluster), 1};
 	for (unsigned seed = 1; seed <= 20; ++seed)
 	{
-		constexpr int kCount = 3000;  // so many that each cluster is connected, except for a few pairs
+		constexpr int kCount = 3000;  // this many connect each cluster, except for a few pairs
 		RandomPairs random(kCount, 2, 2, seed);
 		PatchGrouper grouper;
 		grouper.reserve(kCount, 2 * kBalls, 8);

@@ -83,8 +83,8 @@ OverlapIntegrals queryAt(const InnerSphereTree& A, const AnalyticField& field, P
 }
 }  // namespace
 
-// A leaf can be as large as the field, or larger. The model of a leaf has an error of a few per cent of it and no bias; the test
-// requires that.
+// A leaf can be as large as the field, or larger. The test requires that the model of a leaf has an error of a few per cent of the leaf
+// and no bias.
 TEST(FieldQuery, LeafSharesWhatAGridOfItsPointsSays)
 {
 	std::mt19937 random(4);
@@ -162,7 +162,7 @@ TEST(FieldQuery, HalfSpaceIsAsFarAwayAsItIsNear)
 	for (int i = 0; i < 21; ++i) EXPECT_NEAR(turned.stiffnessB.m[i], direct.stiffnessB.m[i], 1e-8);
 }
 
-// Half the step gives half the change: nothing jumps, whatever decision changes along the path.
+// Half the step gives half the change: nothing jumps, whichever decisions change along the path.
 TEST(FieldQuery, NothingLeapsAlongAPath)
 {
 	std::mt19937 random(8);

@@ -32,7 +32,7 @@ TEST(HalfSpace, OneBallHasTheClosedForm)
 	EXPECT_NEAR(queryHalfSpace(A, {0, 0, 1}, 40, workspace).total.volume, ballVolume(R), 1e-6);
 }
 
-// Only the plane's field presses: every pair presses along the plane's normal, so the moments of the volume determine the damping.
+// Only the plane's field has a weight: every pair presses along the plane's normal, so the moments of the volume determine the damping.
 TEST(HalfSpace, DampingIsThatOfTheVolumeAlongTheNormal)
 {
 	std::mt19937 random(8);

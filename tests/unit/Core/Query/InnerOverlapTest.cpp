@@ -106,7 +106,7 @@ TEST(InnerOverlap, OpensWithoutAJump)
 			before = gated.total.volume;
 			openBefore = open;
 		}
-		// The factor rises from 0 to 1 within the first tenths of the way, where little volume is involved.
+		// The factor rises from 0 to 1 within the first tenths of the way, where the overlap volume is small.
 		EXPECT_LE(steepest, 1.5 * openSteepest);
 		EXPECT_EQ(before, openBefore);
 	}

@@ -342,7 +342,7 @@ TEST(OverlapQuery, InstructionSetsFindTheSamePairsAndDoTheSameWork)
 			EXPECT_EQ(r.ballTests, expected.ballTests);
 			EXPECT_EQ(r.total.pairs, expected.total.pairs);
 			EXPECT_NEAR(r.total.volume, expected.total.volume, 1e-6 * expected.total.volume);
-			// The same set gives the same bits, whatever the workspace computed before.
+			// One instruction set always gives the same bits, whatever the workspace computed before.
 			queryOverlap(B, A, Pose{}, workspace);
 			const OverlapResult again = queryOverlap(A, B, X, workspace, options);
 			EXPECT_EQ(again.total.volume, r.total.volume);
@@ -506,8 +506,8 @@ TEST(OverlapQuery, ReportsWhatItCannotDo)
 	EXPECT_STREQ(toString(QueryStatus::Ok), "ok");
 }
 
-// A body with few leaves is queried against one with many, in a workspace that has seen only the former. The test covers leaves, levels
-// and a half-space.
+// A body with few leaves is queried against one with many, in a workspace whose earlier queries had only small bodies. The test covers
+// leaves, levels and a half-space.
 TEST(OverlapQuery, RoomThatWasMadeElsewhereIsAllThatAQueryNeeds)
 {
 	std::mt19937 random(17);

@@ -20,7 +20,7 @@ inline BallTree packedTree(const std::vector<MomentEllipsoid>& balls)
 	return buildInnerTree(spheres);
 }
 
-/// Gradients steep enough to change a normal by a half over a ball.
+/// Gradients that change a normal by about 0.5 over a ball.
 inline std::vector<NormalGradient> randomGradients(const std::vector<MomentEllipsoid>& balls, std::mt19937& random)
 {
 	std::uniform_real_distribution<double> u(-0.2, 0.2);

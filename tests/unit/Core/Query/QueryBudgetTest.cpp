@@ -68,7 +68,7 @@ Leap leapAlongPath(const InnerSphereTree& A, const InnerSphereTree& B, bool blen
 
 TEST(QueryBudget, LevelsFadeIntoEachOtherAlongAPath)
 {
-	// Random clouds are unsuitable, because their levels hardly differ in pairs.
+	// Random clouds are unsuitable, because their levels hardly differ in the number of pairs.
 	BuildOptions options;
 	options.maxSpheres = 1500;
 	InnerSphereTree A = buildTree(translated(makeTorusMesh(0.5, 0.2, 48, 24), {3, 4, 5}), options).value();

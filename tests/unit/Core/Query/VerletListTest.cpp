@@ -65,7 +65,7 @@ void expectSameSums(const OverlapIntegrals& a, const OverlapIntegrals& b)
 	expectNear(a.line.force, b.line.force, tolerance);
 }
 
-/// Number of queries, of 60, that did not search.
+/// Number of queries among 60 that did not search.
 int followed(const InnerSphereTree& A, const InnerSphereTree& B, double step, const QueryOptions& options, QueryWorkspace& workspace,
 	VerletList& memory)
 {
@@ -199,7 +199,7 @@ TEST(VerletList, NoticesOtherTreesAndOtherQuestions)
 	}
 	for (int still = 0; still < 3; ++still) queryOverlap(A, B, Pose{}, workspace, {}, &memory);
 	memory.forget();
-	// The last pose belonged to other trees, so it says nothing about the motion of these.
+	// The last pose belonged to other trees, so it is no measure of the motion of these trees.
 	Pose far;
 	far.translation.x = 0.5;
 	EXPECT_GT(queryOverlap(A, B, far, workspace, {}, &memory).nodeVisits, 0);
@@ -381,7 +381,7 @@ TEST(VerletList, IsNotFilledWhileItsRoomIsTooSmall)
 		more += r.ballTests > fresh.ballTests;
 	}
 	EXPECT_LE(more, 1) << "searches with a margin, for nothing";
-	// Half of the contacts are gone.
+	// At this distance half of the contacts are gone.
 	X.translation.x = 1;
 	int without = 0;
 	for (int tick = 0; tick < 40; ++tick)
@@ -396,7 +396,7 @@ TEST(VerletList, AListThatIsTooShortIsCutAsWithout)
 {
 	const InnerSphereTree A = slopes(1), B = slopes(-1);
 	QueryCapacity capacity;
-	capacity.pairs = 70;  // half of the pairs that come to touch
+	capacity.pairs = 70;  // half of the pairs that touch in the end
 	QueryWorkspace workspace(capacity), other(capacity);
 	VerletList memory;
 	int whole = 0, cut = 0;
@@ -426,7 +426,7 @@ TEST(VerletList, AListThatIsFullByAFewPairsIsCutAsWithout)
 		poses.push_back(motion.next());
 		pairs.push_back(queryOverlap(A, B, poses.back(), measuring).total.pairs);
 	}
-	QueryCapacity capacity;  // this number of pairs is exceeded now and then, by too few pairs to group anew
+	QueryCapacity capacity;  // number of pairs that is exceeded in some queries, by too few pairs to group anew
 	capacity.pairs = int(*std::min_element(pairs.begin(), pairs.end()) + *std::max_element(pairs.begin(), pairs.end())) / 2;
 	QueryWorkspace workspace(capacity), other(capacity);
 	VerletList memory;

@@ -220,7 +220,7 @@ TEST(MeshRepair, ATriangleFarAwayIsNoReasonToRefuse)
 
 TEST(MeshRepair, WhatIsRefusedIsNamedTruly)
 {
-	// A prism over a symmetric bow tie: half of it is inside out, and neither a wrap nor a thickness would help.
+	// In a prism over a symmetric bow tie, half of the volume is inside out. Neither a wrap nor a thickness would help.
 	Mesh tie;
 	for (const double z : {0.0, 1.0})
 		for (const Vec3& v : {Vec3{0, 0, z}, Vec3{1, 1, z}, Vec3{1, 0, z}, Vec3{0, 1, z}}) tie.vertices.push_back(v);

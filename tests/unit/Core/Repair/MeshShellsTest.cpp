@@ -19,7 +19,7 @@ TEST(MeshShells, ALayerIsSettledAlikeAndAtOnceInAnyPlane)
 			const Pose X = {
 				rotationMatrix(quaternionFromRotationVector({turn(random), turn(random), turn(random)})), {1.5 * i, 1.5 * j, 0}};
 			Mesh shell = transformed(makeTetrahedronMesh(1), X);
-			// A tenth of the shells each: inside out, with a smaller one inside, with a cavity.
+			// There are three special kinds, each 10 % of the shells: inside out, with a smaller shell inside, with a cavity.
 			const int kind = (i + j) % 10;
 			if (kind < 2)
 			{
@@ -45,7 +45,7 @@ TEST(MeshShells, ALayerIsSettledAlikeAndAtOnceInAnyPlane)
 			EXPECT_FALSE(verdict.mayOverlap) << plane;
 			// A cavity takes an eighth of the volume.
 			EXPECT_NEAR(massProperties(mesh).volume, kRow * kRow * volume * (1 - 0.1 / 8), 1e-9 * kRow * kRow) << plane;
-			// Each shell is compared with its row, and a fifth of the shells lie in others.
+			// Each shell is compared with its row, and 20 % of the shells lie in other shells.
 			EXPECT_LT(verdict.compared, 2 * kRow * kRow * kRow) << plane;
 		}
 		for (Vec3& v : layer.vertices) v = {v.z, v.x, v.y};
@@ -197,8 +197,8 @@ TEST(MeshShells, OrientationDecidesWhatAShellInAnotherIs)
 		bool outerOut, middleOut, innerOut;
 		double volume;
 	};
-	// If an outer shell faces inwards, the rest is inside out too. Material counted twice is material. A cavity in one body is filled
-	// by the other.
+	// If an outer shell faces inwards, the rest is inside out too. Material that is counted twice counts once. A cavity in one body is
+	// filled by the other body.
 	for (const Case& c : {Case{true, true, true, 64}, {true, false, true, 57}, {true, false, false, 57}, {true, true, false, 64},
 			 {false, true, false, 57}, {false, false, false, 64}})
 	{

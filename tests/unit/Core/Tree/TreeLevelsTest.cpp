@@ -130,7 +130,7 @@ SymmetricMatrix3 gradientOf(const std::vector<MomentEllipsoid>& pieces)
 }
 }  // namespace
 
-// The normals are n = G x, in pieces so small that each has one normal; in a ball and in a layer.
+// The normals are n = G x, for the points of a ball and of a layer. The pieces are so small that each has one normal.
 TEST(TreeLevels, GradientOfALinearFieldIsItsSlope)
 {
 	std::mt19937 random(5);
@@ -154,7 +154,7 @@ TEST(TreeLevels, GradientOfALinearFieldIsItsSlope)
 	EXPECT_EQ(gradientOf({pieces[3]}).trace(), 0) << "one piece has one normal";
 }
 
-// The normals are random in a layer. A step of any component of the slope makes the sum of squares larger, by as much as a step back
+// The normals are random in a layer. A step of any component of the slope increases the sum of squares as much as the opposite step
 // does.
 TEST(TreeLevels, GradientIsTheBestOfAllSymmetricOnes)
 {

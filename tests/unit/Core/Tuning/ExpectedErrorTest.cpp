@@ -47,7 +47,7 @@ TEST(ExpectedError, BuildKeepsThePromiseOrSaysWhatItReached)
 
 TEST(ExpectedError, ABallReachesAnErrorByItsLeaves)
 {
-	// One sphere fills the body, whatever number is allowed.
+	// One sphere fills the body, however many are allowed.
 	const Mesh ball = transformed(makeSphereMesh(0.5, 3), {rotationMatrix(quaternionFromRotationVector({0.3, -1, 0.4})), {2, 1, -1}});
 	const Result<InnerSphereTree> tree = buildTreeToError(ball, 0.028, BuildOptions());
 	ASSERT_TRUE(tree) << tree.error().message;

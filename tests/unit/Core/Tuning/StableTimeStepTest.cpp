@@ -39,7 +39,7 @@ bool explicitStepsStay(const ContactSpring& spring, double h)
 	return true;
 }
 
-/// Rebound speed of a body that arrives at 1 m/s and touches after `phase` of a step. Backward Euler steps, until it leaves.
+/// Rebound speed of a body that arrives at 1 m/s and touches after `phase` of a step. It takes backward Euler steps until it leaves.
 double bounceInImplicitSteps(const ContactSpring& spring, double h, double phase)
 {
 	double x = phase * h, v = -1;  // contact is below x = 0
@@ -81,8 +81,8 @@ TEST(StableTimeStep, ImplicitStepsLoseTheSpeedThatIsForetold)
 		{
 			const double h = longestStepForRestitution(spring, error);
 			EXPECT_NEAR(implicitRestitution(spring, h), 1 - error, 1e-12);
-			// The model does not know where within a step the contact begins. At the longest of these steps that decides a seventh of
-			// the loss.
+			// The model ignores where within a step the contact begins. At the longest of these steps this changes the loss by about
+			// 15 %.
 			EXPECT_NEAR(bounceInImplicitSteps(spring, h, 0.4), 1 - error, 0.15 * error);
 		}
 	}
