@@ -28,8 +28,8 @@ private:
 	std::shared_ptr<const TreeOrder> m_plain;  // order of the plain tree, if this one is for a tree with levels
 };
 
-/// One thread that builds and loads trees in the order of the requests. A request never waits for it. Requests for the same mesh with
-/// the same options, or for the same file, share one order and one tree while a reference to the order exists. An order that failed is
+/// One thread that builds and loads trees in the order of the requests. A request never waits for it. While a reference
+/// to an order exists, requests for the same mesh and options, or for the same file, share it and its tree. An order that failed is
 /// tried again at the next request. An order without references is dropped when its turn comes.
 class TreeWorker
 {

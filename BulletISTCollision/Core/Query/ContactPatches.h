@@ -53,8 +53,8 @@ public:
 	/// `ballsA`: number of balls of A's tree, padding included. Reads up to kListSlack entries behind the last pair.
 	int group(const kernels::QueryKernel& kernel, const kernels::PairStream& pairs, int count, uint32_t ballsA, int maxPatches);
 	/// Call this after `group`, whose pairs must be among `all`, in the same order. Writes the patch of each pair of `all`; patches are
-	/// numbered up to 255. A pair that was not grouped gets the patch of a pair that shares a ball with it, or else the patch whose
-	/// centre is nearest. `ballsA`: the balls in A's slots. Cost: O(all), plus O(patches) for each pair without a shared ball.
+	/// numbered up to 255. A pair that was not grouped gets the patch of a pair with which it shares a ball, or else the nearest patch.
+	/// `ballsA`: the balls in A's slots. Cost: O(all), plus O(patches) for each pair without a shared ball.
 	void extend(const kernels::PairStream& grouped, int groupedCount, const PairIndices& all, const Sphere* ballsA, uint8_t* patchOf);
 	/// Patch of each pair as a kernels::GroupNumber, from 0 on. It has room for kListSlack entries behind the last.
 	const float* patch() const { return m_group.data(); }

@@ -13,11 +13,11 @@ namespace
 // Enough divisions to halve a leaf that is 1e9 times wider than the subdivision size along all three axes.
 constexpr int kMostDivisions = 90;
 // Both constants keep the force from jumping when a decision changes. From the subdivision size up to kBlend times that size, a cell
-// counts partly as whole and partly as halved. If the depths of several sides differ by less than kTie times the mean radius of a piece,
-// each of them in turn is the first to claim it.
+// counts partly as whole and partly as halved. Sides whose depths differ by less than kTie times the mean radius of a piece are in turn
+// the first to claim it.
 constexpr double kBlend = 1.4, kTie = 0.2;
-// A whole leaf may be this many times wider than the subdivision size, because treating it as a box would lose more accuracy than it
-// gains.
+// A whole leaf may be this many times wider than the subdivision size. Up to there, treating it as a box would lose more accuracy than
+// the division gains.
 constexpr double kWholeLeaf = 1.6;
 const double kWidthOfBox = std::sqrt(5.0 / 3);  // half-width of the ellipsoid with the moments of a box, over that of the box
 

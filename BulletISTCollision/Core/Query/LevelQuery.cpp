@@ -12,9 +12,9 @@ namespace
 {
 /// Ratio of the pairs of a level to those of the next coarser one: its usual value and its smallest one.
 constexpr double kUsualStep = 2.2, kLeastStep = 1.25;
-/// A level fades out while its pairs plus those of the next coarser level grow from this share of the budget to all of it. If each
-/// level has more than 1 / kFadeBegin times as many pairs as the next coarser one, the coarser level does not fade yet when the finer one
-/// is gone. So nothing jumps.
+/// A level fades out while its pairs plus those of the next coarser level grow from this share of the budget to all of it. When
+/// the finer level is gone, the coarser one must not fade yet, or the answer would jump. That holds if each level has more than
+/// 1 / kFadeBegin times as many pairs as the next coarser one.
 constexpr double kFadeBegin = 0.8;
 
 /// Mixes `share` of `fine`, whose patches are `patches`, with (1 - share) of `coarse`. The patches of both stay side by side where

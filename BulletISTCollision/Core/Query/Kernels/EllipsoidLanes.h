@@ -51,7 +51,7 @@ struct Balls
 
 static_assert(sizeof(MomentEllipsoid) == 64 && sizeof(Sphere) == 16 && sizeof(StoredEllipsoid) == 32);
 
-/// Leaves density and normal empty.
+/// Loads centres, radii, depths and shapes; leaves density and normal empty.
 IST_INLINE Balls fetchShapes(const MomentEllipsoid* balls, const uint32_t* index)
 {
 	constexpr int offset[3] = {0, 32, 48};
@@ -89,7 +89,7 @@ IST_INLINE F6 storedShape(const F& R, F xxyy, F zzxy, F xzyz)
 			F::upperNumber(xzyz)};
 }
 
-/// Leaves density, normal and depth empty.
+/// Loads centres, radii and shapes; leaves density, normal and depth empty.
 IST_INLINE Balls fetchShapes(const Sphere* balls, const StoredEllipsoid* ellipsoids, const uint32_t* index)
 {
 	constexpr int offset[1] = {offsetof(StoredEllipsoid, shape)};

@@ -42,7 +42,7 @@ template <bool isMoved> IST_INLINE Balls fetchMoved(const PairBodies& bodies, co
 /// Ellipsoids at the offset x can intersect only if x^T P^-1 x < 2 with P = P_a + P_b. This means u.x < sqrt(2) h(u) in all directions u,
 /// with h(u)^2 = u^T P u.
 /// If points of B move by at most s, u.x and B's part of h together change by at most |u| s. So u.x was below sqrt(2) (h + |u| s) before.
-/// The condition holds where 2 P - x x^T is positive definite, so where its determinant, det(2 P) (1 - x^T P^-1 x / 2), is positive.
+/// The condition holds where the determinant of 2 P - x x^T is positive, because it equals det(2 P) (1 - x^T P^-1 x / 2).
 template <bool hasMargin, bool isMoved>
 IST_INLINE uint32_t mayMeet(const PairBodies& bodies, const uint32_t* indexA, const uint32_t* indexB)
 {

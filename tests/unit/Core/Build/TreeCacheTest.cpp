@@ -119,8 +119,8 @@ TEST(TreeCache, BuildsAllTheSameWhereItCannotWrite)
 	EXPECT_NE(made.value().note.find(folder.path.string()), std::string::npos) << made.value().note;
 }
 
-// A sphere lacks its cap. The volume that the hole may have enclosed is small if 1 triangle of 1280 is missing, and all of it if half
-// of them are.
+// A sphere lacks its cap. If 1 triangle of 1280 is missing, the hole can have changed the volume only a little; if half of them are
+// missing, by all of it.
 TEST(TreeCache, RefusesSurfacesWithoutAnInside)
 {
 	const Mesh sphere = makeSphereMesh(1, 3);

@@ -83,8 +83,8 @@ TEST(MeshRepair, NearlyEqualPositionsAreWeldedOnlyInAuto)
 
 TEST(MeshRepair, SeamsOfSinglePrecisionAreWelded)
 {
-	// Every corner of every triangle is off by up to one step of single precision along each axis, as in a mesh whose faces were stored
-	// one by one.
+	// Every corner of every triangle is off by up to one step of single precision along each axis. Meshes whose faces were stored one by
+	// one look like this.
 	const Mesh torus = makeTorusMesh(0.1, 0.04, 60, 30);
 	Mesh mesh = soup(torus);
 	std::mt19937 random(3);

@@ -150,8 +150,7 @@ TEST(MeshShells, ThinPartsThatCutEachOtherAreNotLost)
 {
 	const double pi = 3.14159265358979323846, r = 0.005, d = 0.009;
 	const Mesh plate = makeBoxMesh({0.5, 0.5, 0.0015}), ball = makeSphereMesh(r, 3);
-	// A stud stands 6.5 mm out of a plate, a block goes through one, and two of four balls cut each other while the others are metres
-	// apart.
+	// A stud stands 6.5 mm out of a plate, and a block goes through one. Two of four balls cut each other; the others are metres apart.
 	const Mesh stud = joined(plate, translated(makeBoxMesh({0.004, 0.004, 0.004}), {0.1, 0.03, 0.004}));
 	const Mesh block = joined(plate, translated(makeBoxMesh({0.05, 0.05, 0.05}), {0.2, 0.1, 0.00797}));
 	const Vec3 apart = d * normalized(Vec3{6, 1, 2});
