@@ -235,9 +235,9 @@ std::vector<std::string> btISTSceneReport::lines() const
 	std::string granted;
 	if (contactCache.on && contactCache.maxError > 0) granted += ", " + number(100 * contactCache.maxError, 9) + " % granted";
 	if (acceptedError > 0) granted += ", force error of " + number(100 * acceptedError, 9) + " % accepted";
-	rows.push_back("economy " + std::string(contactCache.on ? "on" : "off") + granted + "; " + std::to_string(total.asked) + " queries, " +
-		std::to_string(total.cached()) + " kept: a query in " + number(total.factor(), 3) + " steps of a pair; queries " +
-		number(1e3 * total.querySeconds, 3) + " ms, saved about " + number(1e3 * savedSeconds, 3) + " ms");
+	rows.push_back("contact cache " + std::string(contactCache.on ? "on" : "off") + granted + "; " + std::to_string(total.asked) +
+		" queries, " + std::to_string(total.cached()) + " from the cache: a query in " + number(total.factor(), 3) +
+		" steps of a pair; queries " + number(1e3 * total.querySeconds, 3) + " ms, saved about " + number(1e3 * savedSeconds, 3) + " ms");
 	for (size_t i = 0; i < pairs.size(); ++i)
 	{
 		const btISTPairReport& p = pairs[i];
@@ -250,8 +250,8 @@ std::vector<std::string> btISTSceneReport::lines() const
 			line += ", " + number(1e3 * p.depth, 3) + " mm deep (at most " + number(100 * p.deepest, 2) + " % of the thinner body), k " +
 				number(p.k, 3) + " Pa/m by " + btISTPairReport::nameOf(p.stiffnessRule);
 		if (std::isfinite(p.forceErrorBound))
-			line += ", promised within " + number(100 * p.forceErrorBound, 2) + " %, " + number(100 * p.acceptedError, 2) + " % accepted" +
-				(p.withinTolerance ? "" : ": not kept");
+			line += ", error bound " + number(100 * p.forceErrorBound, 2) + " %, " + number(100 * p.acceptedError, 2) + " % accepted" +
+				(p.withinTolerance ? "" : ": not within it");
 		if (p.cost.asked > 0) line += ", 1 query in " + number(p.cost.factor(), 3) + " steps";
 		rows.push_back(line + " (" + p.reason + ")");
 	}

@@ -78,6 +78,6 @@ int runTune(const TuneArguments& a)
 	std::fputs(format(describe(tuning.value()), a.json).c_str(), stdout);
 	if (tuning.value().kept) return kGood;
 	return fail("a force error of " + numberText(options.error) + " is out of reach of these trees: " +
-		numberText(tuning.value().best.error) + " is promised; build them with more spheres, or accept more");
+		numberText(tuning.value().best.error) + " is the smallest error bound; build them with more spheres, or accept more");
 }
 }  // namespace ist::tools

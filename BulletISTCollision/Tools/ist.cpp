@@ -137,8 +137,8 @@ private:
 		sub->add_option("--stiffness", a.stiffness, "k of the pair [Pa/m]")->check(positive())->capture_default_str();
 		sub->add_option("--level", a.level, "level of the trees")->transform(integerArgument(0));
 		sub->add_option("--max-pairs", a.maxPairs, "budget of pairs")->transform(integerArgument<int64_t>(0));
-		sub->add_option(
-			   "--error", a.error, "force error accepted, 0..1: the coarsest level that keeps it; with a promise, and whether it is kept")
+		sub->add_option("--error", a.error,
+			   "force error accepted, 0..1: the coarsest level whose error bound is within it; the bound is printed, too")
 			->check(fraction());
 		sub->add_flag("--blend", a.blend, "within a budget, levels fade into each other");
 		sub->add_flag("--gate", a.gate, "nothing while the packed spheres are apart");

@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tests/fuzz/Promises.h"
+#include "tests/fuzz/Invariants.h"
 
 namespace
 {

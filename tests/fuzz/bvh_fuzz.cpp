@@ -2,7 +2,7 @@
 // BVH files: an accepted file gives a hand whose joints are all finite, and times that increase.
 #include "DeviceBridge/Hand/BvhHand.h"
 
-#include "tests/fuzz/HandPromise.h"
+#include "tests/fuzz/HandInvariants.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {

@@ -2,7 +2,7 @@
 // ContactPose's annotations: an accepted file has hands with finite joints.
 #include "DeviceBridge/Hand/ContactPoseHands.h"
 
-#include "tests/fuzz/HandPromise.h"
+#include "tests/fuzz/HandInvariants.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {

@@ -3,7 +3,7 @@
 #include "BulletISTCollision/Tools/PoseRows.h"
 #include "DeviceBridge/Device/DeviceAddress.h"
 
-#include "tests/fuzz/Promises.h"
+#include "tests/fuzz/Invariants.h"
 
 using fuzz::require;
 

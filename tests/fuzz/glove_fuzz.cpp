@@ -3,7 +3,7 @@
 #include "DeviceBridge/Drivers/Glove/GloveFrames.h"
 #include "DeviceBridge/Drivers/Glove/GloveHand.h"
 
-#include "tests/fuzz/HandPromise.h"
+#include "tests/fuzz/HandInvariants.h"
 
 using fuzz::require;
 

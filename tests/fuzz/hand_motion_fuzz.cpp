@@ -3,7 +3,7 @@
 // again.
 #include "DeviceBridge/Hand/HandMotion.h"
 
-#include "tests/fuzz/Promises.h"
+#include "tests/fuzz/Invariants.h"
 
 using fuzz::require;
 

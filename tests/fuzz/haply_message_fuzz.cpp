@@ -2,7 +2,7 @@
 // Messages of the Haply Inverse service: an accepted message is finite, and a command to that device is a valid message again.
 #include "DeviceBridge/Drivers/Haply/HaplyMessages.h"
 
-#include "tests/fuzz/Promises.h"
+#include "tests/fuzz/Invariants.h"
 
 using fuzz::require;
 

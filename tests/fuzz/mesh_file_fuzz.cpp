@@ -3,7 +3,7 @@
 // as its release. The readers of OFF and PLY in 5.2.5 end the process on some damaged files, so two other formats are tested.
 #include "BulletISTCollision/Core/Import/MeshImport.h"
 
-#include "tests/fuzz/Promises.h"
+#include "tests/fuzz/Invariants.h"
 
 #include <cmath>
 #include <cstdio>

@@ -5,7 +5,7 @@
 #include "BulletISTCollision/Core/Import/XmlTags.h"
 #include "BulletISTCollision/Core/Import/ZipArchive.h"
 
-#include "tests/fuzz/Promises.h"
+#include "tests/fuzz/Invariants.h"
 
 #include <cmath>
 #include <string_view>

@@ -2,7 +2,7 @@
 // Meshes with arbitrary damage. The repair must give a closed mesh or refuse.
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
-#include "tests/fuzz/Promises.h"
+#include "tests/fuzz/Invariants.h"
 
 #include <bit>
 #include <cmath>

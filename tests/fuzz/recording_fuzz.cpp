@@ -6,7 +6,7 @@
 #include "DeviceBridge/Drivers/Replay/ReplayDevice.h"
 #include "DeviceBridge/Hand/HandRecording.h"
 
-#include "tests/fuzz/Promises.h"
+#include "tests/fuzz/Invariants.h"
 
 #include <vector>
 

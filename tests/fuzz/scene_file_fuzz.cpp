@@ -2,7 +2,7 @@
 // Scene files: any text is refused with the file's name, or gives a valid scene.
 #include "TestSupport/SceneFiles/SceneFile.h"
 
-#include "tests/fuzz/Promises.h"
+#include "tests/fuzz/Invariants.h"
 
 using fuzz::require;
 

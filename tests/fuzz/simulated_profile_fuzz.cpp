@@ -2,7 +2,7 @@
 // Profiles of simulated devices: an accepted profile is finite.
 #include "DeviceBridge/Drivers/Simulated/SimulatedProfile.h"
 
-#include "tests/fuzz/Promises.h"
+#include "tests/fuzz/Invariants.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {

@@ -2,7 +2,7 @@
 #include "BulletISTCollision/Core/Accuracy/ForceErrorBound.h"
 
 #include "BulletISTCollision/Core/Accuracy/ErrorShare.h"
-#include "BulletISTCollision/Core/Query/QueryMemory.h"
+#include "BulletISTCollision/Core/Query/QueryWorkspaceState.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 
 #include <algorithm>

@@ -27,7 +27,7 @@ inline uint32_t rootOf(uint32_t* parent, uint32_t ball)
 }
 }  // namespace
 
-void PatchGrouper::BallRoom::reserve(size_t balls)
+void PatchGrouper::BallArrays::reserve(size_t balls)
 {
 	if (parent.size() >= balls) return;
 	parent.resize(balls);

@@ -32,7 +32,7 @@ class PatchGrouper
 {
 public:
 	/// Arrays that grow with the number of balls. Their contents are meaningless between two calls.
-	struct BallRoom
+	struct BallArrays
 	{
 		std::vector<uint32_t> parent;
 		std::vector<float> label;  ///< label of the component, at its root
@@ -44,7 +44,7 @@ public:
 	/// Makes the arrays that grow with the number of pairs resident.
 	void makeResident();
 	/// Swaps the arrays with those of `other` if the latter are larger.
-	void takeLarger(BallRoom& other) noexcept
+	void takeLarger(BallArrays& other) noexcept
 	{
 		if (m_balls.parent.size() < other.parent.size()) std::swap(m_balls, other);
 	}
@@ -79,7 +79,7 @@ private:
 	size_t nearestPatch(const Vec3& center) const;
 	void assignRest(const kernels::QueryKernel& kernel, const kernels::PairStream& pairs, int count);
 
-	BallRoom m_balls;
+	BallArrays m_balls;
 	DemandZeroArray<float> m_group;
 	DemandZeroArray<Component> m_components;  ///< elements are valid once `number` has written them
 	Patches m_patches;

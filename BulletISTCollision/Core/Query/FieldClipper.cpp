@@ -72,10 +72,10 @@ FieldClipper::FieldClipper(const AnalyticField& field, const Pose& X_AF, bool st
 	}
 }
 
-void FieldClipper::press(const MomentEllipsoid& leaf, uint32_t index)
+void FieldClipper::clip(const MomentEllipsoid& leaf, uint32_t index)
 {
 	m_index = index;
-	if (m_planar && pressAgainstOnePlane(leaf)) return;
+	if (m_planar && clipByOnePlane(leaf)) return;
 	EllipsoidFragment piece{m_toField * (leaf.center() - m_X.translation), rotated(m_toField, leaf.shape()), leaf.volume()};
 	const Vec3 grain = m_field.subdivisionSize(piece.center);
 	const double width = std::sqrt(
@@ -94,7 +94,7 @@ void FieldClipper::press(const MomentEllipsoid& leaf, uint32_t index)
 
 /// Does the same as `press` for a leaf that a single plane cuts, without turning the leaf into the field's frame. Returns false for
 /// other leaves.
-bool FieldClipper::pressAgainstOnePlane(const MomentEllipsoid& leaf)
+bool FieldClipper::clipByOnePlane(const MomentEllipsoid& leaf)
 {
 	if (leaf.R > kWholeLeaf * m_finest) return false;
 	const Vec3 center = leaf.center();

@@ -35,7 +35,7 @@ public:
 	/// Returns false when a ball (in A's tree frame) is surely outside the field.
 	bool mayReach(const Vec3& center, double radius) const;
 	/// Sends the terms of one leaf, given in A's tree frame. `index`: number of the leaf in its terms.
-	void press(const MomentEllipsoid& leaf, uint32_t index);
+	void clip(const MomentEllipsoid& leaf, uint32_t index);
 
 private:
 	/// A homogeneous parallelepiped, given by its half-axes.
@@ -53,7 +53,7 @@ private:
 		double depth(const Vec3& x) const { return offset - dot(normal, x); }
 	};
 
-	bool pressAgainstOnePlane(const MomentEllipsoid& leaf);
+	bool clipByOnePlane(const MomentEllipsoid& leaf);
 	FieldCell boxOf(const EllipsoidFragment& piece) const;
 	bool isOutside(const EllipsoidFragment& piece) const;
 	bool isOutside(const FieldCell& cell) const;

@@ -2,7 +2,7 @@
 #include "BulletISTCollision/Core/Geometry/Lens.h"
 #include "BulletISTCollision/Core/Query/FieldClipper.h"
 #include "BulletISTCollision/Core/Query/InnerOverlap.h"
-#include "BulletISTCollision/Core/Query/QueryMemory.h"
+#include "BulletISTCollision/Core/Query/QueryWorkspaceState.h"
 
 #include <algorithm>
 
@@ -105,11 +105,11 @@ public:
 	FieldQuery(const BallTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace::Implementation& work,
 		const QueryOptions& options, OverlapResult& result)
 		: m_A(A),
-		  m_press(field, X_AF, options.stiffness, *this),
+		  m_clipper(field, X_AF, options.stiffness, *this),
 		  m_work(work),
 		  m_options(options),
 		  m_result(result),
-		  m_grouped(options.patches && work.capacity.patches > 1 && !m_press.isFlat())
+		  m_grouped(options.patches && work.capacity.patches > 1 && !m_clipper.isFlat())
 	{}
 
 	void run();
@@ -123,7 +123,7 @@ private:
 	void publishPairs();
 
 	const BallTree& m_A;
-	FieldClipper m_press;
+	FieldClipper m_clipper;
 	QueryWorkspace::Implementation& m_work;
 	const QueryOptions& m_options;
 	OverlapResult& m_result;
@@ -157,7 +157,7 @@ void FieldQuery::descend()
 		++m_result.nodeVisits;
 		for (int k = 0; k < BallNode::kWidth; ++k)
 		{
-			if (node.child[k] == BallNode::kNoChild || !m_press.mayReach({node.x[k], node.y[k], node.z[k]}, node.r[k])) continue;
+			if (node.child[k] == BallNode::kNoChild || !m_clipper.mayReach({node.x[k], node.y[k], node.z[k]}, node.r[k])) continue;
 			if (!(node.child[k] & BallNode::kLeafBit))
 			{
 				m_stack[top++] = node.child[k];
@@ -176,7 +176,7 @@ void FieldQuery::test(uint32_t index)
 	const MomentEllipsoid leaf = m_A.ball(index);
 	m_volume = 0;
 	m_moment = m_area = {};
-	m_press.press(leaf, index);
+	m_clipper.clip(leaf, index);
 	if (!(m_volume > 0)) return;
 	++m_leaves;
 	if (!m_options.sortPairs) return;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "BulletISTCollision/Core/Base/SmoothStep.h"
-#include "BulletISTCollision/Core/Query/QueryMemory.h"
+#include "BulletISTCollision/Core/Query/QueryWorkspaceState.h"
 
 #include <algorithm>
 

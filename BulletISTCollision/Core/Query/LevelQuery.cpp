@@ -19,7 +19,7 @@ constexpr double kFadeBegin = 0.8;
 
 /// Mixes `share` of `fine`, whose patches are `patches`, with (1 - share) of `coarse`. The patches of both stay side by side where
 /// there is room.
-void fade(OverlapResult& fine, const OverlapResult& coarse, double share, OverlapIntegrals* patches, int room)
+void fade(OverlapResult& fine, const OverlapResult& coarse, double share, OverlapIntegrals* patches, int capacity)
 {
 	const auto mixed = [&](const OverlapIntegrals& f, const OverlapIntegrals& c) {
 		OverlapIntegrals sum = f, rest = c;
@@ -32,7 +32,7 @@ void fade(OverlapResult& fine, const OverlapResult& coarse, double share, Overla
 	fine.total = mixed(fine.total, coarse.total);
 	fine.levelShare = share;
 	fine.otherLevel = coarse.level;
-	if (fine.patchCount + coarse.patchCount > room)
+	if (fine.patchCount + coarse.patchCount > capacity)
 	{
 		patches[0] = fine.total;
 		fine.patchCount = fine.total.pairs > 0 ? 1 : 0;
@@ -69,12 +69,12 @@ public:
 
 private:
 	/// Queries one level. Returns false when it meets the limit; `result` then holds only the counts of the work done.
-	bool look(int level, OverlapResult& result);
+	bool queryLevel(int level, OverlapResult& result);
 	/// Saves the patches and pairs of the last traversal from being overwritten by later ones.
-	void keep()
+	void save()
 	{
-		std::swap(m_work.patches, m_work.keptPatches);
-		std::swap(m_work.pairs, m_work.keptPairs);
+		std::swap(m_work.patches, m_work.savedPatches);
+		std::swap(m_work.pairs, m_work.savedPairs);
 	}
 	/// Whether the search for a finer level may end.
 	bool isEnough(int64_t pairs) const { return double(pairs) * (m_options.blend ? 2 : kLeastStep) > double(m_pairs); }
@@ -91,7 +91,7 @@ private:
 	int64_t m_nodeVisits = 0, m_blockPairs = 0, m_ballTests = 0;
 };
 
-bool BudgetedQuery::look(int level, OverlapResult& result)
+bool BudgetedQuery::queryLevel(int level, OverlapResult& result)
 {
 	const LevelPair trees = levelOf(m_A, m_B, level);
 	m_work.reserveFor(*trees.treeA, *trees.treeB);
@@ -108,27 +108,27 @@ OverlapResult BudgetedQuery::run()
 {
 	const int coarsest = std::max(m_finest, levelCount(m_A, m_B));
 	OverlapResult best, next;
-	if (!look(coarsest, best))
+	if (!queryLevel(coarsest, best))
 	{
 		best.status = QueryStatus::BudgetTooSmall;
 		return best;
 	}
-	keep();
+	save();
 	const double usual = m_options.blend ? double(m_pairs) / (1 + 1 / kUsualStep) : double(m_pairs);
 	for (int exceeded = m_finest - 1; best.level > exceeded + 1 && !isEnough(best.total.pairs);)
 	{
-		const double room = std::max(1.0, usual / double(std::max<int64_t>(best.total.pairs, 1)));
-		const int leap = std::max(1, int(std::log(room) / std::log(kUsualStep)));
+		const double growth = std::max(1.0, usual / double(std::max<int64_t>(best.total.pairs, 1)));
+		const int leap = std::max(1, int(std::log(growth) / std::log(kUsualStep)));
 		const int level = std::max(exceeded + 1, best.level - leap);
-		if (look(level, next))
+		if (queryLevel(level, next))
 		{
 			best = next;
-			keep();
+			save();
 		}
 		else exceeded = level;
 	}
 	if (m_options.blend) fadeOut(best, coarsest);
-	if (best.patches != m_work.patches.data()) keep();
+	if (best.patches != m_work.patches.data()) save();
 	best.coarsened = best.level > m_finest || best.levelShare < 1;
 	best.nodeVisits = m_nodeVisits;
 	best.blockPairs = m_blockPairs;
@@ -142,12 +142,12 @@ void BudgetedQuery::fadeOut(OverlapResult& best, int coarsest)
 	// A coarser level has no more pairs than this one.
 	while (best.level < coarsest && 2 * double(best.total.pairs) > kFadeBegin * double(m_pairs))
 	{
-		if (!look(best.level + 1, coarse)) return;
+		if (!queryLevel(best.level + 1, coarse)) return;
 		const double fill = double(best.total.pairs + coarse.total.pairs) / double(m_pairs), t = (1 - fill) / (1 - kFadeBegin);
 		if (t >= 1) return;
-		if (t > 0) return fade(best, coarse, smoothStep(t), m_work.keptPatches.data(), m_options.patches ? m_work.capacity.patches : 1);
+		if (t > 0) return fade(best, coarse, smoothStep(t), m_work.savedPatches.data(), m_options.patches ? m_work.capacity.patches : 1);
 		best = coarse;
-		keep();
+		save();
 	}
 }
 }  // namespace
@@ -160,22 +160,22 @@ OverlapResult queryWithin(const InnerSphereTree& A, const InnerSphereTree& B, co
 
 namespace
 {
-int patchRoom(const QueryWorkspace::Implementation& work, const QueryOptions& options)
+int patchCapacity(const QueryWorkspace::Implementation& work, const QueryOptions& options)
 {
 	return options.patches ? work.capacity.patches : 1;
 }
 
 /// Largest number of patches of each of two levels such that the patches of both fit.
-int halfOfRoom(const QueryWorkspace::Implementation& work, const QueryOptions& options)
+int halfOfPatchCapacity(const QueryWorkspace::Implementation& work, const QueryOptions& options)
 {
-	return std::max(1, patchRoom(work, options) / 2);
+	return std::max(1, patchCapacity(work, options) / 2);
 }
 }  // namespace
 
 LevelAnswers queryBothLevels(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
 	const QueryOptions& options, int level, int otherLevel, const OverlapResult* known)
 {
-	const int most = halfOfRoom(work, options);
+	const int most = halfOfPatchCapacity(work, options);
 	work.reserveFor(A.law, B.law);
 	const auto query = [&](int of) {
 		OverlapResult result;
@@ -192,17 +192,17 @@ LevelAnswers queryBothLevels(const InnerSphereTree& A, const InnerSphereTree& B,
 	if (isKnown(otherLevel) && !isKnown(level))
 	{
 		answers.other = *known;
-		std::swap(work.patches, work.keptPatches);
+		std::swap(work.patches, work.savedPatches);
 		answers.first = query(level);
 	}
 	else
 	{
 		answers.first = isKnown(level) ? *known : query(level);
-		std::swap(work.patches, work.keptPatches);
+		std::swap(work.patches, work.savedPatches);
 		answers.other = query(otherLevel);
-		std::swap(work.patches, work.keptPatches);
+		std::swap(work.patches, work.savedPatches);
 	}
-	const bool isGroupedAlike = most == patchRoom(work, options) || answers.first.patchCount < most;
+	const bool isGroupedAlike = most == patchCapacity(work, options) || answers.first.patchCount < most;
 	answers.firstIsWhole = isKnown(level) || (answers.first.pairListComplete && isGroupedAlike);
 	return answers;
 }
@@ -211,7 +211,7 @@ OverlapResult mixLevels(const LevelAnswers& answers, double otherShare, QueryWor
 {
 	OverlapResult result = answers.first;
 	const OverlapResult& other = answers.other;
-	fade(result, other, 1 - otherShare, work.patches.data(), patchRoom(work, options));
+	fade(result, other, 1 - otherShare, work.patches.data(), patchCapacity(work, options));
 	result.nodeVisits += other.nodeVisits;
 	result.blockPairs += other.blockPairs;
 	result.ballTests += other.ballTests;

@@ -16,7 +16,7 @@ OverlapResult queryWithin(const InnerSphereTree& A, const InnerSphereTree& B, co
 OverlapResult queryTwoLevels(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
 	const QueryOptions& options, int level);
 
-/// Answers of two levels. The patches of `first` are in the workspace's `patches`, those of `other` in its `keptPatches`.
+/// Answers of two levels. The patches of `first` are in the workspace's `patches`, those of `other` in its `savedPatches`.
 struct LevelAnswers
 {
 	OverlapResult first, other;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Query/QueryMemory.h"
+#include "BulletISTCollision/Core/Query/QueryWorkspaceState.h"
 
 #include <algorithm>
 #include <utility>
@@ -64,11 +64,11 @@ QueryWorkspace::Implementation::Implementation(const QueryCapacity& wanted, cons
 	stream.stride = found;
 	terms.reserve(size_t(capacity.pairs));  // costs no memory for pages that no query fills
 	patches.resize(size_t(capacity.patches));
-	keptPatches.resize(patches.size());
+	savedPatches.resize(patches.size());
 	grouper.reserve(size_t(capacity.pairs), 0, capacity.patches);
 }
 
-void TreeRoom::reserveSlots(size_t slotsA, size_t slotsB, size_t ellipsoidsB)
+void TreeArrays::reserveSlots(size_t slotsA, size_t slotsB, size_t ellipsoidsB)
 {
 	const size_t blocksA = slotsA / kBlockWidth, blocksB = slotsB / kBlockWidth;
 	if (columnsA.size() < blocksA)
@@ -85,7 +85,7 @@ void TreeRoom::reserveSlots(size_t slotsA, size_t slotsB, size_t ellipsoidsB)
 	if (movedBalls.size() < ellipsoidsB) movedBalls.resize(ellipsoidsB);
 }
 
-void TreeRoom::takeLarger(TreeRoom& other) noexcept
+void TreeArrays::takeLarger(TreeArrays& other) noexcept
 {
 	const auto take = [](auto& mine, auto& theirs) {
 		if (mine.size() < theirs.size()) mine.swap(theirs);
@@ -120,7 +120,7 @@ void QueryWorkspace::Implementation::reservePairs()
 {
 	if (!pairs.empty()) return;
 	pairs.resize(size_t(capacity.pairs));
-	keptPairs.resize(pairs.size());
+	savedPairs.resize(pairs.size());
 	keys.resize(size_t(capacity.pairs));
 }
 

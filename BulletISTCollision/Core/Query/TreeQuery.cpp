@@ -85,7 +85,7 @@ void pad(uint32_t* a, uint32_t* b, int count)
 }  // namespace
 
 TreeQuery::TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryWorkspace::Implementation& work, const QueryOptions& options,
-	const QueryLimits& limits, OverlapResult& result, VerletList::Implementation* memory)
+	const QueryLimits& limits, OverlapResult& result, VerletList::Implementation* list)
 	: m_A(A),
 	  m_B(B),
 	  m_X(X),
@@ -93,7 +93,7 @@ TreeQuery::TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryW
 	  m_options(options),
 	  m_limits(limits),
 	  m_result(result),
-	  m_memory(memory)
+	  m_list(list)
 {
 	m_terms = options.model == Model::Inner ? kLineTerms : options.stiffness ? kStiffnessTerms : kFieldTerms;
 	m_grouped = options.patches && limits.patches > 1 && !options.listMeetingBounds;
@@ -117,7 +117,7 @@ TreeQuery::TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryW
 bool TreeQuery::run()
 {
 	const bool answered = answer();
-	if (m_filled) m_memory->end(m_result.total.pairs);
+	if (m_filled) m_list->end(m_result.total.pairs);
 	return answered;
 }
 
@@ -131,10 +131,10 @@ bool TreeQuery::answer()
 	const int groups = m_grouped && m_result.pairListComplete
 		? m_work.grouper.group(*m_work.kernel, m_work.stream, m_listed, uint32_t(m_A.slotCount()), m_limits.patches)
 		: 0;
-	const bool remembers = m_memory && rememberPatches(groups);
+	const bool recorded = m_list && recordPatches(groups);
 	if (groups > 1) publishPatches(groups);
 	else publishWhole();
-	if (remembers) m_memory->note(m_result.patches, m_result.patchCount);
+	if (recorded) m_list->note(m_result.patches, m_result.patchCount);
 	return true;
 }
 
@@ -163,7 +163,7 @@ bool TreeQuery::place()
 	m_bodies.slack = float(1e-6 * scale);
 	m_rootA = {a.x, a.y, a.z, a.r};
 	m_rootB = {float(centerB.x), float(centerB.y), float(centerB.z), float(reachB)};
-	if (m_memory) m_remembered = m_memory->covers(m_A, m_B, m_options, {m_X, ownCenter, own.r});
+	if (m_list) m_reusesList = m_list->covers(m_A, m_B, m_options, {m_X, ownCenter, own.r});
 	// This comparison is in double, because floats are too coarse for distant translations.
 	return !(distance(centerA, centerB) > (a.r + reachB) * (1 + 1e-6));
 }
@@ -171,24 +171,24 @@ bool TreeQuery::place()
 bool TreeQuery::find()
 {
 	if (!place()) return false;
-	const double margin = m_memory && !m_remembered ? m_memory->marginToFill() : 0;
-	const Pose around = margin > 0 ? m_memory->poseToFill(margin) : m_X;
+	const double margin = m_list && !m_reusesList ? m_list->marginToFill() : 0;
+	const Pose around = margin > 0 ? m_list->poseToFill(margin) : m_X;
 	const bool isAhead = margin > 0 && !isSame(around, m_X);
-	if (isAhead) m_remembered = fillAround(around, margin);
+	if (isAhead) m_reusesList = fillAround(around, margin);
 	PairSearch s = newSearch();
 	m_search = &s;
-	if (m_remembered)
+	if (m_reusesList)
 	{
 		// Without a search the centres of a whole block need not be transformed: most of them would be unused.
 		m_bodies.centersB = nullptr;
-		if (remembersPatches() && recallPatches()) return false;
+		if (listHasPatches() && reusePatches()) return false;
 		recall();
 		return true;
 	}
 	m_margin = float(margin * (1 + 1e-6));
 	s.slack += m_margin;
-	if (m_memory) m_memory->begin(margin, m_X);
-	m_filled = m_memory != nullptr;
+	if (m_list) m_list->begin(margin, m_X);
+	m_filled = m_list != nullptr;
 	beginAtRoots(s);
 	m_work.kernel->search(s);
 	count(s.counts);
@@ -201,10 +201,10 @@ bool TreeQuery::fillAround(const Pose& around, double margin)
 	TreeQuery there(m_A, m_B, around, m_work, m_options, m_limits, nothing);
 	// If the bounds of the bodies are apart at that pose, filling the list is not worth the cost.
 	if (!there.place()) return false;
-	there.m_memory = m_memory;
+	there.m_list = m_list;
 	there.m_margin = float(margin * (1 + 1e-6));
 	there.m_onlyFills = true;
-	m_memory->begin(margin, around);
+	m_list->begin(margin, around);
 	PairSearch s = there.newSearch();
 	there.m_search = &s;
 	s.slack += there.m_margin;
@@ -214,7 +214,7 @@ bool TreeQuery::fillAround(const Pose& around, double margin)
 	m_filled = true;
 	// Blocks transformed for that pose are not valid for this one.
 	m_work.reserveFor(m_A, m_B);
-	return m_memory->valid;
+	return m_list->valid;
 }
 
 void TreeQuery::beginAtRoots(PairSearch& s) const
@@ -278,48 +278,48 @@ PairSearch TreeQuery::newSearch()
 int TreeQuery::recallBatch(size_t first, size_t end)
 {
 	const int count = int(std::min<size_t>(kPairBatch, end - first));
-	std::copy_n(m_memory->a.data() + first, count, m_work.pairA);
-	std::copy_n(m_memory->b.data() + first, count, m_work.pairB);
+	std::copy_n(m_list->a.data() + first, count, m_work.pairA);
+	std::copy_n(m_list->b.data() + first, count, m_work.pairB);
 	return count;
 }
 
 void TreeQuery::recall()
 {
-	for (size_t first = 0; first < m_memory->count; first += kPairBatch) take(recallBatch(first, m_memory->count));
+	for (size_t first = 0; first < m_list->count; first += kPairBatch) take(recallBatch(first, m_list->count));
 }
 
-bool TreeQuery::remembersPatches() const
+bool TreeQuery::listHasPatches() const
 {
-	return m_grouped && !m_options.sortPairs && m_memory->patches() > 0 && m_memory->patches() <= m_limits.patches;
+	return m_grouped && !m_options.sortPairs && m_list->patches() > 0 && m_list->patches() <= m_limits.patches;
 }
 
-bool TreeQuery::recallPatches()
+bool TreeQuery::reusePatches()
 {
 	int found = 0;
 	int64_t pairs = 0;
-	for (int p = 0; p < m_memory->patches(); ++p)
+	for (int p = 0; p < m_list->patches(); ++p)
 	{
 		std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
-		for (size_t first = m_memory->firstOf(p); first < m_memory->firstOf(p + 1); first += kPairBatch)
+		for (size_t first = m_list->firstOf(p); first < m_list->firstOf(p + 1); first += kPairBatch)
 		{
-			evaluate(m_work.pairA, m_work.pairB, recallBatch(first, m_memory->firstOf(p + 1)), m_sums);
+			evaluate(m_work.pairA, m_work.pairB, recallBatch(first, m_list->firstOf(p + 1)), m_sums);
 		}
 		if (m_sums[kPairs] > 0) m_work.patches[size_t(found++)] = collect(m_sums, m_damping);
 		pairs += int64_t(m_sums[kPairs]);
 	}
 	std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
 	// With more pairs than a list holds, a query without a Verlet list would give one patch, too.
-	if (pairs <= m_work.capacity.pairs && m_memory->isGrouping(m_work.patches.data(), found)) return publishSums(found), true;
-	m_memory->dropPatches();
+	if (pairs <= m_work.capacity.pairs && m_list->isGrouping(m_work.patches.data(), found)) return publishSums(found), true;
+	m_list->dropPatches();
 	return false;
 }
 
-bool TreeQuery::rememberPatches(int groups)
+bool TreeQuery::recordPatches(int groups)
 {
-	if (!m_memory->valid || m_memory->patches() > 0 || groups == 0 || groups > VerletList::Implementation::kMostPatches) return false;
-	const PairIndices all{m_memory->a.data(), m_memory->b.data(), m_memory->count, uint32_t(m_A.slotCount())};
-	m_work.grouper.extend(m_work.stream, m_listed, all, m_A.balls.data(), m_memory->patchOf());
-	m_memory->divide(groups);
+	if (!m_list->valid || m_list->patches() > 0 || groups == 0 || groups > VerletList::Implementation::kMostPatches) return false;
+	const PairIndices all{m_list->a.data(), m_list->b.data(), m_list->count, uint32_t(m_A.slotCount())};
+	m_work.grouper.extend(m_work.stream, m_listed, all, m_A.balls.data(), m_list->patchOf());
+	m_list->divide(groups);
 	return true;
 }
 
@@ -338,7 +338,7 @@ void TreeQuery::take(int count)
 	if (m_margin > 0)
 	{
 		count = cull(count, m_margin);
-		m_memory->append(m_work.pairA, m_work.pairB, count);
+		m_list->append(m_work.pairA, m_work.pairB, count);
 		if (m_onlyFills) return;
 	}
 	count = cull(count, 0);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Query/QueryMemory.h"
+#include "BulletISTCollision/Core/Query/QueryWorkspaceState.h"
 #include "BulletISTCollision/Core/Query/VerletListState.h"
 
 namespace ist
@@ -19,7 +19,7 @@ class TreeQuery
 public:
 	/// X: pose of B's tree frame in A's. All arguments outlive this object. With a Verlet list the number of pairs is not limited.
 	TreeQuery(const BallTree& A, const BallTree& B, const Pose& X, QueryWorkspace::Implementation& work, const QueryOptions& options,
-		const QueryLimits& limits, OverlapResult& result, VerletList::Implementation* memory = nullptr);
+		const QueryLimits& limits, OverlapResult& result, VerletList::Implementation* list = nullptr);
 
 	/// Returns false when the traversal reached the limit of pairs. The result then holds only the counts of the work done.
 	bool run();
@@ -40,12 +40,12 @@ private:
 	void recall();
 	/// Copies the next batch of remembered pairs, from `first` on, to where a search puts its pairs. Returns their number.
 	int recallBatch(size_t first, size_t end);
-	bool remembersPatches() const;
+	bool listHasPatches() const;
 	/// Gives the whole answer in the remembered patches. If these no longer group the pairs that intersect, it drops them and returns
 	/// false.
-	bool recallPatches();
+	bool reusePatches();
 	/// Remembers the patches of the listed pairs.
-	bool rememberPatches(int groups);
+	bool recordPatches(int groups);
 	int cull(int count, float margin);
 	bool hasShapes() const { return m_options.model != Model::Inner; }
 	static void take(void* query, int count) { static_cast<TreeQuery*>(query)->take(count); }
@@ -63,8 +63,8 @@ private:
 	const QueryOptions& m_options;
 	const QueryLimits& m_limits;
 	OverlapResult& m_result;
-	VerletList::Implementation* m_memory;
-	bool m_remembered = false;          ///< whether the Verlet list is valid for this pose
+	VerletList::Implementation* m_list;
+	bool m_reusesList = false;          ///< whether the Verlet list is valid for this pose
 	double m_lengthening = 1;           ///< upper bound of the factor by which the pose stretches B's lengths
 	BoundingBall m_rootA{}, m_rootB{};  ///< bounds of the roots, in A's tree frame
 	bool m_filled = false;              ///< whether the Verlet list was filled, with any margin

@@ -64,7 +64,7 @@ private:
 	int m_ticks = 0, m_judged = 0, m_held = 0;
 	long long m_nowPairs = 0, m_nowBalls = 0;
 	double m_nowError = 0, m_nowMicroseconds = 0, m_largestLeap = 0;
-	Curve m_dial{"error accepted", "%", {}}, m_errorBound{"error promised", "%", {}}, m_error{"true error", "%", {}},
+	Curve m_dial{"error accepted", "%", {}}, m_errorBound{"error bound", "%", {}}, m_error{"true error", "%", {}},
 		m_rate{"queries a second", "Hz", {}}, m_pairs{"pairs", "", {}};
 };
 
@@ -176,19 +176,19 @@ std::vector<Figure> Dial::figures() const
 		least = std::min(least, p.held);
 	}
 	const int judged = std::max(m_judged, 1);
-	return {{"error accepted", "%", m_accepted}, {"error promised", "%", 100 * m_pair.errorBound}, {"level", "", double(m_pair.level)},
-		{"spheres that speak", "", double(m_nowBalls)}, {"pairs", "", double(m_nowPairs)},
+	return {{"error accepted", "%", m_accepted}, {"error bound", "%", 100 * m_pair.errorBound}, {"level", "", double(m_pair.level)},
+		{"spheres in contact", "", double(m_nowBalls)}, {"pairs", "", double(m_nowPairs)},
 		{"true error, by quadrature on the triangles", "%", 100 * m_nowError},
-		{"poses so far in which the promise held", "%", 100.0 * m_held / judged, 100, 5},
+		{"poses so far in which the bound held", "%", 100.0 * m_held / judged, 100, 5},
 		{"the same, over all errors accepted", "%", 100 * held, 100, 5}, {"where it held least often", "%", 100 * least},
-		{"largest leap of the force in 1 ms, the dial's doing", "%", 100 * m_largestLeap, 0, 1}};
+		{"largest jump of the force in 1 ms by a change of level", "%", 100 * m_largestLeap, 0, 1}};
 }
 
 std::vector<scenes::Chart> Dial::charts() const
 {
 	const auto line = [](const char* name) { return scenes::ChartSeries{name, {}, {}, {}, false, -1}; };
 	scenes::Chart errors{"Error of the force", "error accepted [%]", "error [%]",
-		{line("accepted"), line("promised (half)"), line("true (half)"), line("true (95 %)")}, true};
+		{line("accepted"), line("bound (half)"), line("true (half)"), line("true (95 %)")}, true};
 	scenes::Chart cost{"What it costs", "error accepted [%]", "", {line("queries a second"), line("spheres"), line("pairs")}, true};
 	for (const scenes::AccuracyPoint& p : m_sweep)
 	{
@@ -216,7 +216,8 @@ std::vector<std::string> Dial::report() const
 	{
 		char row[200];
 		std::snprintf(row, sizeof row,
-			"accepted %.1f %%: promised %.1f (half of the poses: %.1f), true %.1f (half: %.2f) %%, held in %.0f %%, kept in %.0f %%; %.0f "
+			"accepted %.1f %%: bound %.1f (half of the poses: %.1f), true %.1f (half: %.2f) %%, bound held in %.0f %%, within the accepted "
+			"in %.0f %%; %.0f "
 			"spheres, %.0f pairs, %.0f us",
 			100 * p.accepted, 100 * p.errorBound, 100 * p.medianErrorBound, 100 * p.error, 100 * p.middleError, 100 * p.held, 100 * p.kept,
 			p.balls, p.pairs, p.microseconds);

@@ -203,7 +203,7 @@ void addRows(const GraspLoad& o, std::vector<std::vector<std::string>>& rows)
 	if (!o.errors.empty())
 	{
 		const auto percent = [&](double p, double GraspLoadError::*of) { return formatNumber(100 * o.quantileError(p, of), 3); };
-		if (o.accepted > 0) add("error promised, 95th percentile", percent(0.95, &GraspLoadError::promised), "%");
+		if (o.accepted > 0) add("error bound, 95th percentile", percent(0.95, &GraspLoadError::promised), "%");
 		add("error against the leaves, median", percent(0.5, &GraspLoadError::found), "%");
 		add("error against the leaves, 95th percentile", percent(0.95, &GraspLoadError::found), "%");
 	}
@@ -225,8 +225,8 @@ HtmlReport makeReport(const GraspLoadOutcome& outcome)
 					 "what the owner does alone, and the "
 					 "busier one's share of the queries as two free cores would deal them; so other programs do not count. The rate is the "
 					 "inverse, capped "
-					 "at 1000 Hz. Leaves remembered: btISTWorld::setVerletLists. With an accepted error coarser levels answer where they "
-					 "promise it; the error is that of a part's force, against all leaves.");
+					 "at 1000 Hz. Verlet lists: btISTWorld::setVerletLists. With an accepted error coarser levels answer where their "
+					 "error bound allows it; the error is that of a part's force, against all leaves.");
 	report.table({"Quantity", "Value", "Unit"}, summaryRows(outcome));
 	for (const GraspLoad& o : outcome.loads)
 	{

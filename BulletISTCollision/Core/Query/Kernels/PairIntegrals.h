@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Query/Kernels/Compressor.h"
 #include "BulletISTCollision/Core/Query/Kernels/EllipsoidLanes.h"
+#include "BulletISTCollision/Core/Query/Kernels/LaneCompressor.h"
 
 #include <type_traits>
 

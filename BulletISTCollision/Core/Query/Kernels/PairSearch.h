@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Query/Kernels/Compressor.h"
 #include "BulletISTCollision/Core/Query/Kernels/EllipsoidLanes.h"
+#include "BulletISTCollision/Core/Query/Kernels/LaneCompressor.h"
 
 // Included by QueryKernel.cpp only. The search works in stages without recursion and without unpredictable branches. Each step tests a
 // vector and appends the survivors to a list without branching on hits; the next step works through that list.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Accuracy/AdaptiveLevel.h"
 
-#include "BulletISTCollision/Core/Query/QueryMemory.h"
+#include "BulletISTCollision/Core/Query/QueryWorkspaceState.h"
 #include "tests/unit/Core/Accuracy/LevelledClouds.h"
 #include "tests/unit/CountingAllocator.h"
 

@@ -2,7 +2,7 @@
 #include "BulletISTCollision/Core/Query/ContactPatches.h"
 
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
-#include "BulletISTCollision/Core/Query/QueryMemory.h"
+#include "BulletISTCollision/Core/Query/QueryWorkspaceState.h"
 #include "tests/unit/Core/Query/PatchReference.h"
 #include "tests/unit/Core/Query/QueryBodies.h"
 

@@ -31,7 +31,7 @@ namespace
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN(), kInfinity = std::numeric_limits<double>::infinity();
 
 /// Checks between the tests and the mechanism: everything that must hold for each command after any operations.
-struct Promises
+struct Invariants
 {
 	std::atomic<std::uint64_t> writes{0}, notFinite{0}, tooLarge{0}, grips{0};
 	std::atomic<double> lastForce{0};
@@ -53,9 +53,9 @@ public:
 		NotReady,
 		Troubles
 	};
-	SpiedDevice(const SimulatedProfile& profile, Promises& errorBounds, std::atomic<int>& trouble)
+	SpiedDevice(const SimulatedProfile& profile, Invariants& invariants, std::atomic<int>& trouble)
 		: m_hand(profile),
-		  m_errorBounds(errorBounds),
+		  m_invariants(invariants),
 		  m_trouble(trouble)
 	{
 		m_hand.place({{}, {0, 0, 0.002}});
@@ -81,12 +81,12 @@ public:
 	}
 	DeviceStatus write(const DeviceCommand& command) noexcept override
 	{
-		++m_errorBounds.writes;
-		if (!isFinite(command.wrench)) ++m_errorBounds.notFinite;
+		++m_invariants.writes;
+		if (!isFinite(command.wrench)) ++m_invariants.notFinite;
 		if (norm(command.wrench.force) > 1.000001 * info().peakForce || norm(command.wrench.torque) > 1.000001 * info().peakTorque)
-			++m_errorBounds.tooLarge;
-		if (command.gripForce != 0) ++m_errorBounds.grips;
-		m_errorBounds.lastForce = norm(command.wrench.force) + norm(command.wrench.torque);
+			++m_invariants.tooLarge;
+		if (command.gripForce != 0) ++m_invariants.grips;
+		m_invariants.lastForce = norm(command.wrench.force) + norm(command.wrench.torque);
 		const int trouble = m_trouble;
 		if (trouble == Unplugged || trouble == WritesRefused) return DeviceStatus::Disconnected;
 		return m_hand.write(command);
@@ -94,7 +94,7 @@ public:
 
 private:
 	SimulatedDevice m_hand;
-	Promises& m_errorBounds;
+	Invariants& m_invariants;
 	std::atomic<int>& m_trouble;
 	DeviceState m_sample;
 };
@@ -191,7 +191,7 @@ public:
 		tick();
 	}
 
-	Promises errorBounds;
+	Invariants invariants;
 	std::uint64_t felt = 0;  ///< number of operations after which the hand felt a force
 	std::uint64_t opened = 0, refused = 0, runs = 0;
 
@@ -208,7 +208,7 @@ private:
 			ASSERT_TRUE(m_thread->run(1));
 			if (mustBeSilent()) expectSilence();
 		}
-		felt += errorBounds.lastForce > 0;
+		felt += invariants.lastForce > 0;
 	}
 
 	bool mustBeSilent() const { return m_thread->faulted() || m_trouble == SpiedDevice::Unplugged || m_trouble == SpiedDevice::NotFinite; }
@@ -217,9 +217,9 @@ private:
 	void expectSilence()
 	{
 		if (m_delays) return;
-		ASSERT_EQ(errorBounds.lastForce, 0) << "trouble " << m_trouble << ", faulted " << m_thread->faulted() << ", cause "
-											<< describe(m_thread->faultCause()) << ", sent " << norm(m_thread->sentWrench().force)
-											<< ", stack " << m_stack;
+		ASSERT_EQ(invariants.lastForce, 0) << "trouble " << m_trouble << ", faulted " << m_thread->faulted() << ", cause "
+										   << describe(m_thread->faultCause()) << ", sent " << norm(m_thread->sentWrench().force)
+										   << ", stack " << m_stack;
 	}
 
 	void recover()
@@ -242,7 +242,7 @@ private:
 		m_trouble = SpiedDevice::None;
 		m_delays = false;
 		m_stack.clear();
-		std::unique_ptr<Device> device = std::make_unique<SpiedDevice>(simulatedProfile(profiles[pick(4)]).value(), errorBounds, m_trouble);
+		std::unique_ptr<Device> device = std::make_unique<SpiedDevice>(simulatedProfile(profiles[pick(4)]).value(), invariants, m_trouble);
 		for (int i = pick(4); i > 0; --i) switch (const int kind = pick(6); m_stack += std::to_string(kind), kind)
 			{
 			case 0: device = std::make_unique<MountedDevice>(std::move(device), ist::Pose{{}, {1, 2, 3}}, 0.5 + 0.5 * pick(4)); break;
@@ -389,7 +389,7 @@ long operations()
 
 // The random numbers are seeded, so a failure is reproducible up to the first time that the thread ran by itself (runOnItsOwn). Then real
 // time determines clock, device and law. For a longer run set DEVICEBRIDGE_FUZZ_OPERATIONS=10000000.
-TEST(OperationFuzz, NoSequenceOfOperationsBreaksAPromise)
+TEST(OperationFuzz, NoSequenceOfOperationsBreaksAnInvariant)
 {
 	const long all = operations(), each = 10'000;
 	std::uint64_t felt = 0, opened = 0, refused = 0, runs = 0;
@@ -402,9 +402,9 @@ TEST(OperationFuzz, NoSequenceOfOperationsBreaksAPromise)
 			fuzz.operation();
 			if (testing::Test::HasFatalFailure()) FAIL() << "operation " << i;
 		}
-		EXPECT_EQ(fuzz.errorBounds.notFinite, 0U);
-		EXPECT_EQ(fuzz.errorBounds.tooLarge, 0U);
-		EXPECT_EQ(fuzz.errorBounds.grips, 0U);
+		EXPECT_EQ(fuzz.invariants.notFinite, 0U);
+		EXPECT_EQ(fuzz.invariants.tooLarge, 0U);
+		EXPECT_EQ(fuzz.invariants.grips, 0U);
 		felt += fuzz.felt, opened += fuzz.opened, refused += fuzz.refused, runs += fuzz.runs;
 	}
 	// These counts show that the operations had an effect.

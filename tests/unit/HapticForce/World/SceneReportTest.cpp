@@ -225,7 +225,7 @@ TEST(btISTSceneReport, SaysTheErrorBoundAndWhetherItIsWithinTheTolerance)
 			EXPECT_EQ(pair["promised_error"].isNull(), pair["a"] == "box" || pair["b"] == "box");
 			EXPECT_EQ(pair["promise_kept"].isFlag(), !pair["promised_error"].isNull());
 		}
-		EXPECT_EQ(report.text().find("not kept") == std::string::npos, tree->withinTolerance);
+		EXPECT_EQ(report.text().find("not within it") == std::string::npos, tree->withinTolerance);
 		EXPECT_NE(report.text().find("% accepted"), std::string::npos);
 	}
 }

@@ -244,7 +244,7 @@ TEST(btISTContactCache, ClearanceIsUsedUpByTheWayAndNotBefore)
 	EXPECT_EQ(useAfter({0, 0, 0.8 * kClearance}, {0, 0.4 * kClearance / kCorner, 0}), btISTCachedResult::Ask);
 }
 
-TEST(btISTContactCache, PressedAndSlidThePairStaysWithinThePromise)
+TEST(btISTContactCache, PressedAndSlidThePairStaysWithinTheErrorBound)
 {
 	btStaticPlaneShape plane(vec(0, 1, 0), btScalar(.5));
 	for (btCollisionShape* under : {static_cast<btCollisionShape*>(nullptr), static_cast<btCollisionShape*>(&plane)})

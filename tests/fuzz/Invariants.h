@@ -15,7 +15,7 @@ namespace fuzz
 inline void require(bool condition, const char* what)
 {
 	if (condition) return;
-	std::fprintf(stderr, "broken promise: %s\n", what);
+	std::fprintf(stderr, "broken invariant: %s\n", what);
 	std::abort();
 }
 

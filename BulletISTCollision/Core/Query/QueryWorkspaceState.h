@@ -23,7 +23,7 @@ inline bool answers(const BallTree& tree, Model model) { return !tree.empty() &&
 
 /// Memory that grows with the trees of a query. An entry is valid only for the query whose number it carries
 /// (`QueryWorkspace::Implementation::epoch`).
-struct TreeRoom
+struct TreeArrays
 {
 	std::vector<kernels::BlockColumns> columnsA, moved;
 	std::vector<uint32_t> epochsA;
@@ -34,17 +34,17 @@ struct TreeRoom
 	/// Grows the arrays to these numbers of slots and ellipsoids.
 	void reserveSlots(size_t slotsA, size_t slotsB, size_t ellipsoidsB);
 	/// Swaps in each array of `other` that is larger.
-	void takeLarger(TreeRoom& other) noexcept;
+	void takeLarger(TreeArrays& other) noexcept;
 };
 
-struct QueryBuffers::Implementation : TreeRoom
+struct QueryBuffers::Implementation : TreeArrays
 {
-	PatchGrouper::BallRoom balls;
+	PatchGrouper::BallArrays balls;
 	bool taken = false;  ///< whether a workspace has taken these buffers, whose entries now carry that workspace's epochs
 };
 
 /// Memory that QueryWorkspace owns.
-struct QueryWorkspace::Implementation : TreeRoom
+struct QueryWorkspace::Implementation : TreeArrays
 {
 	const kernels::QueryKernel* kernel = nullptr;  ///< null: the wanted instruction set cannot run here
 	QueryCapacity capacity;
@@ -58,10 +58,10 @@ struct QueryWorkspace::Implementation : TreeRoom
 
 	kernels::PairStream stream{};  ///< intersecting pairs, in the order in which they were found
 	std::vector<uint64_t> keys;
-	std::vector<OverlapPair> pairs, keptPairs;  ///< pairs of the last traversal, and of an earlier one that may still be the answer
-	std::vector<FieldTerm> terms;               ///< terms against an analytic field, in the order of `stream`; never more than its capacity
+	std::vector<OverlapPair> pairs, savedPairs;  ///< pairs of the last traversal, and of an earlier one that may still be the answer
+	std::vector<FieldTerm> terms;  ///< terms against an analytic field, in the order of `stream`; never more than its capacity
 	PatchGrouper grouper;
-	std::vector<OverlapIntegrals> patches, keptPatches;
+	std::vector<OverlapIntegrals> patches, savedPatches;
 
 	Implementation(const QueryCapacity& wanted, const kernels::QueryKernel* chosen);
 	/// Grows the arrays that depend on the size of the trees. Only the first query with a larger tree allocates.

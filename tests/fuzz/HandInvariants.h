@@ -3,7 +3,7 @@
 
 #include "DeviceBridge/Device/HandState.h"
 
-#include "tests/fuzz/Promises.h"
+#include "tests/fuzz/Invariants.h"
 
 namespace fuzz
 {
