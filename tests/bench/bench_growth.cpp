@@ -262,9 +262,10 @@ std::vector<Row> ofQueries(const Options& o, Asset& asset, std::shared_ptr<const
 
 std::vector<Row> ofWorlds(const Options& o, const std::shared_ptr<const InnerSphereTree>& tree)
 {
-	Row apart{"step, bodies apart, all asked", "bodies", {}, {}}, kept{"step, bodies apart, economy 5 %", "bodies", {}, {}},
-		queries{"queries of these, all asked", "bodies", {}, {}}, cachedQueries{"queries of these, economy 5 %", "bodies", {}, {}},
-		piles{"step, stacks of ten, economy 5 %", "contacts", {}, {}}, column{"step, one stack, economy 5 %", "contacts", {}, {}};
+	Row apart{"step, bodies apart, all queried", "bodies", {}, {}}, kept{"step, bodies apart, contact cache 5 %", "bodies", {}, {}},
+		queries{"queries of these, all queried", "bodies", {}, {}}, cachedQueries{"queries of these, contact cache 5 %", "bodies", {}, {}},
+		piles{"step, stacks of ten, contact cache 5 %", "contacts", {}, {}},
+		column{"step, one stack, contact cache 5 %", "contacts", {}, {}};
 	const auto rounds = [](int bodies) { return std::max(12, 2000 / bodies); };
 	for (const int64_t count : upTo(o.bodies, 10))
 	{
@@ -300,8 +301,8 @@ void print(const std::vector<Row>& rows)
 void onPaper(const std::vector<Row>& worlds, const Asset& asset, int64_t spheres)
 {
 	const double asked = worlds[0].each(), kept = worlds[1].each();
-	std::printf(
-		"\n10,000 bodies that lie apart: %.3g ms a step when all are asked, %.3g ms with economy, of one thread; sleepers cost no query.\n",
+	std::printf("\n10,000 bodies that lie apart: %.3g ms a step when all are queried, %.3g ms with the contact cache, of one thread; "
+				"sleepers cost no query.\n",
 		10 * asked, 10 * kept);
 	std::printf("100,000 assets of %lld spheres: %.3g GB on disk, %.3g hours of one thread to build.\n", static_cast<long long>(spheres),
 		100 * asset.megabytes, 1e5 * asset.buildSeconds / 3600);

@@ -4,35 +4,22 @@
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
 
 #include "SealedAsset.h"
-
-#include <cstdio>
-#include <cstdlib>
+#include "tests/fuzz/Invariants.h"
 
 namespace
 {
-void require(bool condition, const char* what)
-{
-	if (condition) return;
-	std::fprintf(stderr, "broken invariant: %s\n", what);
-	std::abort();
-}
-
 void load(const std::vector<std::byte>& bytes)
 {
 	const ist::Result<ist::InnerSphereTree> tree = ist::decodeAsset(bytes.data(), bytes.size());
-	if (!tree)
-	{
-		require(!tree.error().message.empty(), "a refusal has a reason");
-		return;
-	}
-	require(tree.value().validate().empty(), "a loaded tree is valid");
+	if (!fuzz::accepted(tree)) return;
+	fuzz::require(tree.value().validate().empty(), "a loaded tree is valid");
 	static ist::QueryWorkspace workspace;
 	const double step = tree.value().box.longestSide() / 3;
 	(void)ist::queryOverlap(tree.value(), tree.value(), {{}, {step, step / 2, 0}}, workspace);
 	const std::vector<std::byte> again = ist::encodeAsset(tree.value());
 	const ist::Result<ist::InnerSphereTree> back = ist::decodeAsset(again.data(), again.size());
-	require(static_cast<bool>(back), "a loaded tree can be written and read");
-	require(ist::encodeAsset(back.value()) == again, "writing is stable");
+	fuzz::require(static_cast<bool>(back), "a loaded tree can be written and read");
+	fuzz::require(ist::encodeAsset(back.value()) == again, "writing is stable");
 }
 }  // namespace
 

@@ -92,7 +92,7 @@ void FieldClipper::clip(const MomentEllipsoid& leaf, uint32_t index)
 	if (!isOutside(piece)) assign(piece);
 }
 
-/// Does the same as `press` for a leaf that a single plane cuts, without turning the leaf into the field's frame. Returns false for
+/// Does the same as `clip` for a leaf that a single plane cuts, without turning the leaf into the field's frame. Returns false for
 /// other leaves.
 bool FieldClipper::clipByOnePlane(const MomentEllipsoid& leaf)
 {

@@ -17,6 +17,11 @@ constexpr double kUsualStep = 2.2, kLeastStep = 1.25;
 /// 1 / kFadeBegin times as many pairs as the next coarser one.
 constexpr double kFadeBegin = 0.8;
 
+int patchCapacity(const QueryWorkspace::Implementation& work, const QueryOptions& options)
+{
+	return options.patches ? work.capacity.patches : 1;
+}
+
 /// Mixes `share` of `fine`, whose patches are `patches`, with (1 - share) of `coarse`. The patches of both stay side by side where
 /// there is room.
 void fade(OverlapResult& fine, const OverlapResult& coarse, double share, OverlapIntegrals* patches, int capacity)
@@ -145,7 +150,7 @@ void BudgetedQuery::fadeOut(OverlapResult& best, int coarsest)
 		if (!queryLevel(best.level + 1, coarse)) return;
 		const double fill = double(best.total.pairs + coarse.total.pairs) / double(m_pairs), t = (1 - fill) / (1 - kFadeBegin);
 		if (t >= 1) return;
-		if (t > 0) return fade(best, coarse, smoothStep(t), m_work.savedPatches.data(), m_options.patches ? m_work.capacity.patches : 1);
+		if (t > 0) return fade(best, coarse, smoothStep(t), m_work.savedPatches.data(), patchCapacity(m_work, m_options));
 		best = coarse;
 		save();
 	}
@@ -160,11 +165,6 @@ OverlapResult queryWithin(const InnerSphereTree& A, const InnerSphereTree& B, co
 
 namespace
 {
-int patchCapacity(const QueryWorkspace::Implementation& work, const QueryOptions& options)
-{
-	return options.patches ? work.capacity.patches : 1;
-}
-
 /// Largest number of patches of each of two levels such that the patches of both fit.
 int halfOfPatchCapacity(const QueryWorkspace::Implementation& work, const QueryOptions& options)
 {

@@ -275,7 +275,7 @@ PairSearch TreeQuery::newSearch()
 	return s;
 }
 
-int TreeQuery::recallBatch(size_t first, size_t end)
+int TreeQuery::copyBatch(size_t first, size_t end)
 {
 	const int count = int(std::min<size_t>(kPairBatch, end - first));
 	std::copy_n(m_list->a.data() + first, count, m_work.pairA);
@@ -285,7 +285,7 @@ int TreeQuery::recallBatch(size_t first, size_t end)
 
 void TreeQuery::recall()
 {
-	for (size_t first = 0; first < m_list->count; first += kPairBatch) take(recallBatch(first, m_list->count));
+	for (size_t first = 0; first < m_list->count; first += kPairBatch) take(copyBatch(first, m_list->count));
 }
 
 bool TreeQuery::listHasPatches() const
@@ -302,7 +302,7 @@ bool TreeQuery::reusePatches()
 		std::fill(std::begin(m_sums), std::end(m_sums), 0.0);
 		for (size_t first = m_list->firstOf(p); first < m_list->firstOf(p + 1); first += kPairBatch)
 		{
-			evaluate(m_work.pairA, m_work.pairB, recallBatch(first, m_list->firstOf(p + 1)), m_sums);
+			evaluate(m_work.pairA, m_work.pairB, copyBatch(first, m_list->firstOf(p + 1)), m_sums);
 		}
 		if (m_sums[kPairs] > 0) m_work.patches[size_t(found++)] = collect(m_sums, m_damping);
 		pairs += int64_t(m_sums[kPairs]);

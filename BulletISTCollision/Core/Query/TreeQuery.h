@@ -39,7 +39,7 @@ private:
 	/// Processes the pairs of the Verlet list as if a search had found them.
 	void recall();
 	/// Copies the next batch of remembered pairs, from `first` on, to where a search puts its pairs. Returns their number.
-	int recallBatch(size_t first, size_t end);
+	int copyBatch(size_t first, size_t end);
 	bool listHasPatches() const;
 	/// Gives the whole answer in the remembered patches. If these no longer group the pairs that intersect, it drops them and returns
 	/// false.
