@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/Solver/btIslandBlockSolver.h"
 
+#include "BulletHapticForce/Solver/btFrictionWithinLimit.h"
 #include "BulletISTCollision/Core/Base/SymmetricEigen.h"
 
 #include <Eigen/Core>
@@ -37,9 +38,6 @@ constexpr double kFrictionTolerance = 1e-7;
 // cuts go further below the limit, and after this number to zero. The cuts end, because a patch without friction is not cut again.
 constexpr int kCutsToNothing = 50;
 constexpr double kImmovable = 1e-12;
-// These two control the search for a sliding patch's friction; each Newton step doubles the number of correct digits.
-constexpr int kMostNewtonSteps = 20;
-constexpr double kLimitTolerance = 1e-12;
 
 Eigen::Vector3d toEigen(const ist::Vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -79,45 +77,6 @@ Mat6 rootOfInverseMass(const btVolumetricRowBody& body)
 	const Eigen::Array3d values = Map<const Eigen::Array3d>(eigen.values).max(0.0);
 	root.bottomRightCorner<3, 3>() = axes.transpose() * values.sqrt().matrix().asDiagonal() * axes;
 	return root;
-}
-
-/// Friction of one patch that is no longer than `limit` and leaves the least slip. All vectors are along the axes in which each part of
-/// the friction changes only its own slip, by the factor `yielding`.
-///
-/// The solution is (yielding + m) wanted = yielding now - slip, with the smallest m >= 0 that keeps the limit. Newton's method for
-/// 1/|wanted| approaches it from below and does not overshoot; from above, one step leads below. `excess` is m, and the start of the
-/// search for it.
-Eigen::Vector3d frictionWithin(
-	double limit, const Eigen::Vector3d& now, const Eigen::Vector3d& slip, const double* yielding, double& excess)
-{
-	Eigen::Vector3d wanted;
-	for (int i = 0; i < 3; ++i) wanted(i) = yielding[i] > 0 ? now(i) - slip(i) / yielding[i] : now(i);
-	if (wanted.squaredNorm() <= limit * limit) return wanted;
-	if (!(limit > 0)) return Eigen::Vector3d::Zero();
-	Eigen::Vector3d pull;
-	double least = 0;
-	for (int i = 0; i < 3; ++i)
-	{
-		pull(i) = yielding[i] * now(i) - slip(i);
-		least = std::max(least, std::fabs(pull(i)) / limit - yielding[i]);
-	}
-	excess = std::max(excess, least);
-	double length = limit;
-	for (int i = 0; i < kMostNewtonSteps; ++i)
-	{
-		double square = 0, slope = 0;
-		for (int k = 0; k < 3; ++k)
-		{
-			const double inverse = yielding[k] + excess > 0 ? 1 / (yielding[k] + excess) : 0;
-			wanted(k) = pull(k) * inverse;
-			square += wanted(k) * wanted(k);
-			slope += wanted(k) * wanted(k) * inverse;
-		}
-		length = std::sqrt(square);
-		if (std::fabs(length - limit) <= kLimitTolerance * limit || !(slope > 0)) break;
-		excess = std::max(excess + (length - limit) * square / (limit * slope), least);
-	}
-	return wanted * (limit / std::max(limit, length));
 }
 }  // namespace
 
@@ -418,7 +377,7 @@ double btIslandBlockSolver::visitFriction(int patch, int place, double& normal)
 	Map<Eigen::Vector3d> now(tangent(patch));
 	const Map<const Axes> axes(p.axes);
 	const Eigen::Vector3d wanted = axes.transpose() *
-		frictionWithin(p.friction * normal, axes * now, axes * asked.head<3>(), p.yielding, p.excess);
+		btFrictionWithinLimit(p.friction * normal, axes * now, axes * asked.head<3>(), p.yielding, p.excess);
 	const Eigen::Vector3d change = wanted - now;
 	now = wanted;
 	if (change.isZero(0)) return 0;
