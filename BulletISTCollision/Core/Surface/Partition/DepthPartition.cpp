@@ -1,0 +1,304 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Surface/Partition/DepthPartition.h"
+
+#include "BulletISTCollision/Core/Surface/Partition/SplitPlane.h"
+#include "BulletISTCollision/Core/Surface/Partition/SurfaceNodes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ist
+{
+namespace
+{
+constexpr size_t kFewestToSplit = 2;
+constexpr size_t kEnoughToFit = 2000;  // of the samples of a node
+// The field is exact where no sample is off by more than this share of the longest side: about the rounding of a float.
+constexpr double kExact = 1e-7;
+// Samples this near to a plane belong to neither side: the rounding of the plane could give one of them to the wrong face.
+constexpr double kPlaneRounding = 2e-7;
+constexpr double kMisfit = 4;  // a sample with this many times the error of its cell is a misfit
+// Points of small pieces weigh as if the surface had this many samples in a square of the spacing.
+constexpr double kSamplesOfSquare = 16;
+constexpr double kShrinking = 0.9;  // of the corners of a piece of surface towards its middle
+// The depth between samples may exceed that at the samples by this factor times their typical distance. One or two samples show no
+// distance, so a share of the spacing is added.
+constexpr double kDeepestSlack = 2;
+constexpr double kOutsideShare = 0.5;
+// Nodes are split in parallel. A child seldom comes before a node with this share of its parent's priority.
+constexpr double kBatchSpan = 0.5;
+constexpr size_t kLargestBatch = 4096;
+constexpr double kLeastSlope = 0.3;  // of a quadric whose gradient says where outside is
+constexpr double kSlack = 0.05;      // of the spacing; the corners of an element stand this far above a curved surface
+constexpr double kNever = -1;        // priority of a node that is not split
+constexpr uint64_t kPlaneStream = 12;
+
+DepthCell cellOf(const QuadricFit& fit)
+{
+	DepthCell cell;
+	for (int k = 0; k < 3; ++k)
+	{
+		cell.center[k] = float(fit.quadric.center[k]);
+		cell.gradient[k] = float(fit.quadric.gradient[k]);
+	}
+	for (int k = 0; k < 6; ++k) cell.hessian[k] = float(fit.quadric.hessian[k]);
+	cell.depth = float(fit.quadric.depth);
+	cell.error = float(fit.error);
+	cell.radius = float(fit.radius);
+	return cell;
+}
+
+Vec3 middleOf(const std::vector<Vec3>& polygon)
+{
+	Vec3 sum;
+	for (const Vec3& p : polygon) sum += p;
+	return sum / double(polygon.size());
+}
+
+double areaOf(const std::vector<Vec3>& polygon)
+{
+	Vec3 sum;
+	for (size_t i = 2; i < polygon.size(); ++i) sum += cross(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]);
+	return norm(sum) / 2;
+}
+}  // namespace
+
+DepthPartition::DepthPartition(std::vector<DepthSample> samples, const DepthPartitionOptions& options)
+	: m_samples(std::move(samples)),
+	  m_options(options)
+{
+	m_nodes.resize(1);
+	m_nodes[0].child = DepthNode::kCell;
+	m_parts.push_back(partOf(0, m_samples.size(), 0));
+	m_queue.push({m_parts[0].priority, 0});
+}
+
+bool DepthPartition::split(size_t most, const std::function<bool(double)>& goesOn)
+{
+	std::vector<size_t> batch;
+	std::vector<Halves> halves;
+	while (takeBatch(most, batch))
+	{
+		if (!goesOn(double(m_parts.size()) / double(m_options.cells))) return false;
+		halves.assign(batch.size(), {});
+#pragma omp parallel for schedule(dynamic, 1) num_threads(m_options.threads) if (batch.size() > 1)
+		for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(batch.size()); ++i) halves[size_t(i)] = halvesOf(m_parts[batch[size_t(i)]]);
+		for (size_t i = 0; i < batch.size(); ++i)
+			if (halves[i].isSplit) add(batch[i], halves[i]);
+	}
+	return true;
+}
+
+/// Takes the parts with about the largest priority, as many as there is room for.
+bool DepthPartition::takeBatch(size_t most, std::vector<size_t>& batch)
+{
+	batch.clear();
+	const size_t room = m_parts.size() >= most ? 0 : std::min(kLargestBatch, most - m_parts.size());
+	double least = -1;
+	for (; !m_queue.empty() && batch.size() < room && m_queue.top().first >= least; m_queue.pop())
+	{
+		const auto [priority, part] = m_queue.top();
+		if (priority <= 0) break;
+		// A part that was fitted again stands in the queue twice.
+		if (priority != m_parts[part].priority) continue;
+		if (batch.empty()) least = kBatchSpan * priority;
+		batch.push_back(part);
+	}
+	std::sort(batch.begin(), batch.end());
+	batch.erase(std::unique(batch.begin(), batch.end()), batch.end());
+	return !batch.empty();
+}
+
+DepthPartition::Part DepthPartition::partOf(size_t begin, size_t end, size_t node) const
+{
+	Part part{begin, end, node, kNever, {}};
+	const std::span<const DepthSample> all = samplesOf(part);
+	const size_t stride = std::max<size_t>(1, all.size() / kEnoughToFit);
+	if (stride == 1) part.fit = fitQuadric(all, m_options.spacing);
+	else
+	{
+		std::vector<DepthSample> some;
+		for (size_t i = 0; i < all.size(); i += stride) some.push_back(all[i]);
+		part.fit = fitQuadric(some, m_options.spacing);
+		for (const DepthSample& s : all) part.fit.largest = std::max(part.fit.largest, std::fabs(errorAt(part.fit, s, m_options.spacing)));
+	}
+	// A node without samples in the body is not split: all that counts there is that its depth is negative.
+	if (all.size() >= kFewestToSplit && part.fit.within > 0 && part.fit.largest > kExact * m_options.size)
+		part.priority = std::max(std::numeric_limits<double>::min(), part.fit.squares * double(stride));
+	return part;
+}
+
+DepthPartition::Halves DepthPartition::halvesOf(const Part& parent)
+{
+	Halves halves;
+	const CounterRandom random(m_options.seed, kPlaneStream, parent.node);
+	const double rounding = kPlaneRounding * m_options.size;
+	const auto plane = findSplitPlane(samplesOf(parent), parent.fit, m_options.spacing, rounding, random);
+	if (!plane) return halves;
+	for (int k = 0; k < 3; ++k) halves.node.normal[k] = float(plane->normal[k]);
+	halves.node.offset = float(plane->offset);
+	const auto begin = m_samples.begin() + std::ptrdiff_t(parent.begin), end = m_samples.begin() + std::ptrdiff_t(parent.end);
+	const auto first = std::partition(begin, end, [&](const DepthSample& s) { return halves.node.beyond(s.position) <= -rounding; });
+	const auto second = std::partition(first, end, [&](const DepthSample& s) { return halves.node.beyond(s.position) < rounding; });
+	if (first == begin || second == end) return halves;
+	halves.first = partOf(parent.begin, size_t(first - m_samples.begin()), 0);
+	halves.second = partOf(size_t(second - m_samples.begin()), parent.end, 0);
+	halves.isSplit = true;
+	return halves;
+}
+
+void DepthPartition::add(size_t parent, Halves& halves)
+{
+	const size_t child = m_nodes.size();
+	halves.first.node = child;
+	halves.second.node = child + 1;
+	halves.node.child = uint32_t(child);
+	m_nodes[m_parts[parent].node] = halves.node;
+	m_nodes.resize(child + 2);
+	m_nodes[child].child = uint32_t(parent) | DepthNode::kCell;
+	m_nodes[child + 1].child = uint32_t(m_parts.size()) | DepthNode::kCell;
+	m_parts[parent] = halves.first;
+	m_parts.push_back(halves.second);
+	m_queue.push({halves.first.priority, parent});
+	m_queue.push({halves.second.priority, m_parts.size() - 1});
+}
+
+size_t DepthPartition::partAt(const Vec3& x) const
+{
+	const DepthNode* node = m_nodes.data();
+	while (!node->isCell()) node = &m_nodes[node->child + (node->beyond(x) > 0 ? 1 : 0)];
+	return node->cell();
+}
+
+bool DepthPartition::isMisfit(size_t part, const DepthSample& sample) const
+{
+	const QuadricFit& fit = m_parts[part].fit;
+	// A cell without samples in the body was fitted to depths outside.
+	if (fit.within == 0) return !sample.isOutside();
+	// While there is room for more cells, the field can become exact.
+	const double most = isFull() ? std::max(kExact * m_options.size, kMisfit * fit.error) : kExact * m_options.size;
+	return std::fabs(errorAt(fit, sample, m_options.spacing)) > most;
+}
+
+size_t DepthPartition::addMisfits(const std::vector<DepthSample>& samples)
+{
+	std::vector<Misfit> misfits;
+	for (const DepthSample& s : samples)
+	{
+		const size_t part = partAt(s.position);
+		if (isMisfit(part, s)) misfits.push_back({part, s});
+	}
+	insert(misfits);
+	return misfits.size();
+}
+
+size_t DepthPartition::addMisfitsOfSurface(const Mesh& mesh)
+{
+	std::vector<Misfit> misfits;
+	const double weight = weightOfDepth(0, m_options.spacing), area = m_options.spacing * m_options.spacing / kSamplesOfSquare;
+	visitSurface(m_nodes, mesh, [&](size_t node, size_t triangle, const std::vector<Vec3>& polygon) {
+		const auto& t = mesh.triangles[triangle];
+		const Vec3& a = mesh.vertices[t[0]];
+		const Vec3 normal = normalized(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
+		const Vec3 middle = middleOf(polygon);
+		const double share = std::min(1.0, areaOf(polygon) / (area * double(polygon.size())));
+		const size_t part = m_nodes[node].cell();
+		for (const Vec3& corner : polygon)
+		{
+			const DepthSample s{middle + (corner - middle) * kShrinking, 0, normal, weight * share};
+			if (share > 0 && isMisfit(part, s) && partAt(s.position) == part) misfits.push_back({part, s});
+		}
+	});
+	const size_t count = misfits.size();
+	insert(std::move(misfits));
+	return count;
+}
+
+/// Lays out the samples anew, with those of each part together.
+void DepthPartition::insert(std::vector<Misfit> misfits)
+{
+	if (misfits.empty()) return;
+	std::stable_sort(misfits.begin(), misfits.end(), [](const Misfit& a, const Misfit& b) { return a.first < b.first; });
+	std::vector<DepthSample> samples;
+	samples.reserve(m_samples.size() + misfits.size());
+	std::vector<size_t> changed;
+	auto misfit = misfits.begin();
+	for (size_t i = 0; i < m_parts.size(); ++i)
+	{
+		Part& part = m_parts[i];
+		const std::span<const DepthSample> before = samplesOf(part);
+		part.begin = samples.size();
+		samples.insert(samples.end(), before.begin(), before.end());
+		if (misfit != misfits.end() && misfit->first == i) changed.push_back(i);
+		for (; misfit != misfits.end() && misfit->first == i; ++misfit) samples.push_back(misfit->second);
+		part.end = samples.size();
+	}
+	m_samples = std::move(samples);
+#pragma omp parallel for schedule(dynamic, 16) num_threads(m_options.threads)
+	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(changed.size()); ++i)
+	{
+		Part& part = m_parts[changed[size_t(i)]];
+		part = partOf(part.begin, part.end, part.node);
+	}
+	for (const size_t i : changed) m_queue.push({m_parts[i].priority, i});
+}
+
+/// Upper bound of the depth in a part, from its samples.
+double DepthPartition::deepestOf(const Part& part, bool holdsSurface) const
+{
+	double deepest = -std::numeric_limits<double>::infinity();
+	for (const DepthSample& s : samplesOf(part)) deepest = std::max(deepest, s.depth);
+	if (!holdsSurface && deepest < 0) return kOutsideShare * deepest;
+	const double count = double(std::max<size_t>(1, part.fit.within));
+	return std::max(deepest, 0.0) + kDeepestSlack * part.fit.radius / std::cbrt(count) + m_options.spacing / count;
+}
+
+/// Splits each node that holds surface once more: what lies above all of the body in it is outside. Without this, the quadric of a cell
+/// could be positive far away, where there are few samples.
+void DepthPartition::cutOffOutside(const Mesh& mesh, std::vector<DepthNode>& nodes) const
+{
+	const double none = -std::numeric_limits<double>::infinity();
+	std::vector<double> highest(m_parts.size(), none);
+	const auto outward = [&](size_t part) { return normalized(-m_parts[part].fit.quadric.gradient); };
+	visitSurface(m_nodes, mesh, [&](size_t node, size_t, const std::vector<Vec3>& polygon) {
+		const size_t part = m_nodes[node].cell();
+		for (const Vec3& p : polygon) highest[part] = std::max(highest[part], dot(outward(part), p));
+	});
+	for (size_t part = 0; part < m_parts.size(); ++part)
+	{
+		const Part& p = m_parts[part];
+		if (highest[part] == none || p.fit.within == 0 || norm(p.fit.quadric.gradient) < kLeastSlope) continue;
+		const Vec3 up = outward(part);
+		for (const DepthSample& s : samplesOf(p))
+			if (!s.isOutside()) highest[part] = std::max(highest[part], dot(up, s.position));
+		const size_t child = nodes.size();
+		nodes.resize(child + 2);
+		DepthNode& node = nodes[p.node];
+		nodes[child].child = node.child;
+		nodes[child + 1].child = DepthNode::kOutside;
+		nodes[child + 1].deepest = -1;
+		for (int k = 0; k < 3; ++k) node.normal[k] = float(up[k]);
+		node.offset = std::nextafter(float(highest[part] + kSlack * m_options.spacing), std::numeric_limits<float>::infinity());
+		node.child = uint32_t(child);
+	}
+}
+
+DepthField DepthPartition::field(const Mesh& mesh, const Box& domain) const
+{
+	std::vector<DepthNode> nodes = m_nodes;
+	const std::vector<char> holdsSurface = nodesOfSurface(nodes, mesh);
+	std::vector<DepthCell> cells;
+	for (const Part& part : m_parts)
+	{
+		nodes[part.node].deepest = float(deepestOf(part, holdsSurface[part.node] != 0));
+		cells.push_back(cellOf(part.fit));
+	}
+	cutOffOutside(mesh, nodes);
+	for (size_t i = m_nodes.size(); i < nodes.size(); ++i)
+		if (!nodes[i].isOutside()) nodes[i].deepest = nodes[m_parts[nodes[i].cell()].node].deepest;
+	for (size_t i = nodes.size(); i-- > 0;)
+		if (!nodes[i].isCell()) nodes[i].deepest = std::max(nodes[nodes[i].child].deepest, nodes[nodes[i].child + 1].deepest);
+	return {std::move(nodes), std::move(cells), domain, bounds(mesh).lower.x - domain.lower.x};
+}
+}  // namespace ist

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Surface/DepthField.h"
+#include "BulletISTCollision/Core/Surface/Partition/QuadricFit.h"
+
+#include <cstddef>
+#include <functional>
+#include <queue>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace ist
+{
+struct DepthPartitionOptions
+{
+	size_t cells = 1;    ///< largest number of cells
+	double spacing = 0;  ///< typical size of a cell [m]
+	double size = 0;     ///< longest side of the body [m]
+	uint64_t seed = 1;
+	int threads = 1;
+};
+
+/// Splits the domain top-down, the node with the largest residual first, until the field is exact or there are enough cells.
+/// Deterministic for a seed, for any number of threads.
+class DepthPartition
+{
+public:
+	DepthPartition(std::vector<DepthSample> samples, const DepthPartitionOptions& options);
+
+	/// Splits what can be split, up to `most` cells. `goesOn` gets the share of the cells that exist; the result is false if it returned
+	/// false.
+	bool split(size_t most, const std::function<bool(double)>& goesOn);
+
+	/// Adds those of the samples that the field does not match, and fits their cells again. Returns their number.
+	size_t addMisfits(const std::vector<DepthSample>& samples);
+
+	/// The same for points of the surface in every cell.
+	size_t addMisfitsOfSurface(const Mesh& mesh);
+
+	size_t cellCount() const { return m_parts.size(); }
+	bool isFull() const { return m_parts.size() >= m_options.cells; }
+	DepthField field(const Mesh& mesh, const Box& domain) const;
+
+private:
+	/// A node with a cell, and its samples [begin, end).
+	struct Part
+	{
+		size_t begin = 0, end = 0, node = 0;
+		double priority = 0;
+		QuadricFit fit;
+	};
+	struct Halves
+	{
+		DepthNode node;
+		Part first, second;
+		bool isSplit = false;
+	};
+	using Waiting = std::pair<double, size_t>;  // priority, part
+	struct Before
+	{
+		bool operator()(const Waiting& a, const Waiting& b) const { return a.first != b.first ? a.first < b.first : a.second > b.second; }
+	};
+	using Misfit = std::pair<size_t, DepthSample>;  // part, sample
+
+	std::span<const DepthSample> samplesOf(const Part& part) const { return {m_samples.data() + part.begin, part.end - part.begin}; }
+	size_t partAt(const Vec3& x) const;
+	bool isMisfit(size_t part, const DepthSample& sample) const;
+	bool takeBatch(size_t most, std::vector<size_t>& batch);
+	Part partOf(size_t begin, size_t end, size_t node) const;
+	Halves halvesOf(const Part& parent);
+	void add(size_t parent, Halves& halves);
+	void insert(std::vector<Misfit> misfits);
+	double deepestOf(const Part& part, bool holdsSurface) const;
+	void cutOffOutside(const Mesh& mesh, std::vector<DepthNode>& nodes) const;
+
+	std::vector<DepthSample> m_samples;
+	DepthPartitionOptions m_options;
+	std::vector<DepthNode> m_nodes;  // the cell of a node is the index of its part
+	std::vector<Part> m_parts;
+	std::priority_queue<Waiting, std::vector<Waiting>, Before> m_queue;
+};
+}  // namespace ist

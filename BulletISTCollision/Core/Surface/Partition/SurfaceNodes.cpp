@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Surface/Partition/SurfaceNodes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace ist
+{
+namespace
+{
+constexpr double kRounding = 1e-12;  // relative to the coordinates
+
+using Polygon = std::vector<Vec3>;
+
+class TriangleDescent
+{
+public:
+	TriangleDescent(const std::vector<DepthNode>& nodes, double tolerance, const SurfaceVisit& visit)
+		: m_nodes(nodes),
+		  m_tolerance(tolerance),
+		  m_visit(visit)
+	{}
+
+	void run(size_t triangle, const Polygon& polygon)
+	{
+		m_triangle = triangle;
+		descend(0, polygon);
+	}
+
+private:
+	void descend(size_t index, const Polygon& polygon)
+	{
+		const DepthNode& node = m_nodes[index];
+		if (node.isCell())
+		{
+			m_visit(index, m_triangle, polygon);
+			return;
+		}
+		double lowest = node.beyond(polygon[0]), highest = lowest;
+		for (const Vec3& p : polygon)
+		{
+			lowest = std::min(lowest, node.beyond(p));
+			highest = std::max(highest, node.beyond(p));
+		}
+		if (lowest <= m_tolerance) descend(node.child, highest <= m_tolerance ? polygon : clipped(polygon, node, 1));
+		if (highest >= -m_tolerance) descend(node.child + 1, lowest >= -m_tolerance ? polygon : clipped(polygon, node, -1));
+	}
+
+	/// The part where sign * beyond <= tolerance.
+	Polygon clipped(const Polygon& polygon, const DepthNode& node, double sign) const
+	{
+		Polygon kept;
+		kept.reserve(polygon.size() + 1);
+		for (size_t i = 0; i < polygon.size(); ++i)
+		{
+			const size_t j = i + 1 < polygon.size() ? i + 1 : 0;
+			const double a = sign * node.beyond(polygon[i]) - m_tolerance, b = sign * node.beyond(polygon[j]) - m_tolerance;
+			if (a <= 0) kept.push_back(polygon[i]);
+			if ((a <= 0) != (b <= 0)) kept.push_back(polygon[i] + (polygon[j] - polygon[i]) * (a / (a - b)));
+		}
+		return kept;
+	}
+
+	const std::vector<DepthNode>& m_nodes;
+	double m_tolerance;
+	const SurfaceVisit& m_visit;
+	size_t m_triangle = 0;
+};
+}  // namespace
+
+void visitSurface(const std::vector<DepthNode>& nodes, const Mesh& mesh, const SurfaceVisit& visit)
+{
+	const Box box = bounds(mesh);
+	TriangleDescent descent(nodes, kRounding * (norm(box.lower) + norm(box.upper)), visit);
+	for (size_t i = 0; i < mesh.triangles.size(); ++i)
+	{
+		const auto& t = mesh.triangles[i];
+		descent.run(i, {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
+	}
+}
+
+std::vector<char> nodesOfSurface(const std::vector<DepthNode>& nodes, const Mesh& mesh)
+{
+	std::vector<char> holds(nodes.size());
+	visitSurface(nodes, mesh, [&holds](size_t node, size_t, const Polygon&) { holds[node] = 1; });
+	return holds;
+}
+}  // namespace ist
