@@ -2,6 +2,7 @@
 // libFuzzer on the asset loader: for any bytes it refuses them, or gives a tree that is safe to query and to write again.
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Query/SurfaceOverlap.h"
 
 #include "SealedAsset.h"
 #include "tests/fuzz/Invariants.h"
@@ -16,6 +17,8 @@ void load(const std::vector<std::byte>& bytes)
 	static ist::QueryWorkspace workspace;
 	const double step = tree.value().box.longestSide() / 3;
 	(void)ist::queryOverlap(tree.value(), tree.value(), {{}, {step, step / 2, 0}}, workspace);
+	static ist::SurfaceWorkspace surfaceWorkspace;
+	(void)ist::surfaceOverlap(tree.value().surface, tree.value().surface, {{}, {step, step / 2, 0}}, surfaceWorkspace);
 	const std::vector<std::byte> again = ist::encodeAsset(tree.value());
 	const ist::Result<ist::InnerSphereTree> back = ist::decodeAsset(again.data(), again.size());
 	fuzz::require(static_cast<bool>(back), "a loaded tree can be written and read");

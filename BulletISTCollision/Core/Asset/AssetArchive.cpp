@@ -251,6 +251,7 @@ std::vector<std::byte> encodeContents(const InnerSphereTree& tree, const Content
 		for (const MomentEllipsoid& leaf : contents.leaves[i])
 			writeLeaf(leaves, leaf, contents.scales.center(contents.centers[i]), contents.scales);
 	w.append(leaves.bytes());
+	w.append(encodeSection(kSurfaceSection, tree));
 	return w.take();
 }
 
@@ -267,6 +268,9 @@ Result<ByteReader> openBody(const std::byte* bytes, size_t size)
 		return Error{"the archive was written by a newer version (" + std::to_string(version) + "), this library reads up to " +
 			std::to_string(kArchiveVersion) + "; pack it again or update the library"};
 	if (version == 0 || reserved != 0) return damaged("its header is not one");
+	if (version < kArchiveVersion)
+		return Error{"the archive is of format version " + std::to_string(version) +
+			" of BulletHaptics 0.3 or older; rebuild it: ist build MESH -o FILE, then ist pack FILE -o ARCHIVE"};
 	if (size < fileSize)
 		return Error{"the archive is cut short: it has " + std::to_string(size) + " bytes of " + std::to_string(fileSize) +
 			"; copy or pack it again"};
@@ -295,7 +299,7 @@ bool readBalls(ByteReader& r, InnerSphereTree& tree, std::vector<MomentEllipsoid
 	if (total > SIZE_MAX / kLeafBits) return false;
 	const size_t leafBytes = (total * kLeafBits + 7) / 8;
 	const std::byte* const bits = r.span(leafBytes);
-	if (!r.complete()) return false;
+	if (r.failed()) return false;
 	BitReader body(bits);
 	leaves.reserve(total);
 	std::vector<uint32_t> index;
@@ -309,6 +313,17 @@ bool readBalls(ByteReader& r, InnerSphereTree& tree, std::vector<MomentEllipsoid
 	}
 	tree.spheres = std::move(spheres);
 	return true;
+}
+
+/// Reads the surface section, which is the rest of the file. Its arrays lie in memory of their own.
+bool readSurface(ByteReader& r, InnerSphereTree& tree)
+{
+	const size_t size = r.left();
+	const std::byte* const bytes = r.span(size);
+	const std::shared_ptr<std::byte> copy = makeAlignedBytes(size);
+	if (!copy) return false;
+	std::copy(bytes, bytes + size, copy.get());
+	return decodeSection(kSurfaceSection, copy, copy.get(), size, tree) != SectionState::Bad;
 }
 
 bool usable(const std::vector<MomentEllipsoid>& balls)
@@ -354,7 +369,7 @@ Result<InnerSphereTree> decodeArchive(const std::byte* bytes, size_t size)
 	readMass(body.value(), tree);
 	readProvenance(body.value(), tree.provenance);
 	std::vector<MomentEllipsoid> leaves, cells;
-	if (!readBalls(body.value(), tree, leaves, cells)) return damaged("it contradicts itself");
+	if (!readBalls(body.value(), tree, leaves, cells) || !readSurface(body.value(), tree)) return damaged("it contradicts itself");
 	for (const std::vector<MomentEllipsoid>* balls : {&leaves, &cells})
 		if (!usable(*balls)) return damaged("a ball without mass");
 	double sum = 0;

@@ -20,6 +20,7 @@ constexpr size_t kHeaderBytes = 8 + 4 + 4 + 8 + 8;  // magic, version, section c
 constexpr size_t kChecksumOffset = 24;
 constexpr size_t kTableEntryBytes = 4 + 4 + 8 + 8 + 8;  // id, reserved 0, offset, size, checksum
 constexpr uint32_t kSectionCount = kSectionEnd - 1;
+constexpr const char* kLastOfOlderFormats = "0.3";  // last release that wrote format version 6
 constexpr size_t kTableEnd = kHeaderBytes + kSectionCount * kTableEntryBytes;
 
 size_t aligned(size_t offset) { return (offset + kSectionAlignment - 1) / kSectionAlignment * kSectionAlignment; }
@@ -51,7 +52,8 @@ Error checkHeader(const std::byte* bytes, size_t size)
 		return {"written by a newer version (" + std::to_string(version) + "), this library reads up to " + std::to_string(kAssetVersion) +
 			"; build the file again or update the library"};
 	if (version < kAssetVersion)
-		return {"written by version " + std::to_string(version) + ", which was never released; build the file again"};
+		return {"it is of format version " + std::to_string(version) + " of BulletHaptics " + kLastOfOlderFormats +
+			" or older; rebuild it: ist build MESH -o FILE"};
 	const uint32_t count = r.u32();
 	const uint64_t fileSize = r.u64();
 	const uint64_t stored = r.u64();
@@ -104,7 +106,7 @@ bool massHolds(const InnerSphereTree& tree)
 {
 	for (int i = 0; i < 3; ++i)
 		if (!isFinite(tree.inertia.row(i))) return false;
-	for (double length : {tree.volume, tree.area, tree.meanGap, tree.maxGap, tree.uncoveredArea, tree.fill, tree.resolution})
+	for (double length : {tree.volume, tree.area, tree.meanGap, tree.maxGap, tree.uncoveredArea, tree.fill, tree.resolution, tree.sagitta})
 		if (!isLength(length)) return false;
 	if (!std::all_of(tree.calibration.begin(), tree.calibration.end(), isLength)) return false;
 	return isFinite(tree.origin) && tree.volume > 0;

@@ -21,6 +21,14 @@ static_assert(isStored<Sphere, 4> && offsetof(Sphere, r) == 12);
 static_assert(isStored<BallNode, 40> && offsetof(BallNode, r) == 96 && offsetof(BallNode, child) == 128);
 static_assert(isStored<StoredEllipsoid, 8> && offsetof(StoredEllipsoid, depth) == 4 && offsetof(StoredEllipsoid, normal) == 8 &&
 	offsetof(StoredEllipsoid, shape) == 16 && offsetof(StoredEllipsoid, sphere) == 28);
+static_assert(isStored<SurfaceNode, 5> && offsetof(SurfaceNode, radius) == 12 && offsetof(SurfaceNode, child) == 16);
+static_assert(isStored<SurfaceElement, 18> && offsetof(SurfaceElement, e1) == 12 && offsetof(SurfaceElement, e2) == 24 &&
+	offsetof(SurfaceElement, normal) == 36 && offsetof(SurfaceElement, k11) == 48 && offsetof(SurfaceElement, area) == 60 &&
+	offsetof(SurfaceElement, error) == 64 && offsetof(SurfaceElement, isTriangle) == 68);
+static_assert(
+	isStored<DepthNode, 6> && offsetof(DepthNode, offset) == 12 && offsetof(DepthNode, deepest) == 16 && offsetof(DepthNode, child) == 20);
+static_assert(isStored<DepthCell, 15> && offsetof(DepthCell, depth) == 12 && offsetof(DepthCell, gradient) == 16 &&
+	offsetof(DepthCell, hessian) == 28 && offsetof(DepthCell, error) == 52 && offsetof(DepthCell, radius) == 56);
 
 template <class T> void writeArray(ByteWriter& w, const FrozenArray<T>& array)
 {
@@ -98,11 +106,48 @@ SectionState readInnerTree(ByteReader& r, const std::shared_ptr<const void>& own
 	const SectionState state = stateOf(tree, isNext);
 	return found == spheres.size() ? state : SectionState::Bad;
 }
+
+void writeSurface(ByteWriter& w, const BodySurface& body)
+{
+	if (body.empty()) return;
+	const ContactSurface& surface = body.surface;
+	const DepthField& field = body.field;
+	for (const size_t count : {surface.nodes.size(), surface.elements.size(), field.nodes.size(), field.cells.size()}) w.u64(count);
+	w.vec3(field.domain.lower);
+	w.vec3(field.domain.upper);
+	w.f64(field.margin);
+	writeArray(w, surface.nodes);
+	writeArray(w, surface.elements);
+	writeArray(w, field.nodes);
+	writeArray(w, field.cells);
+}
+
+/// Every surface that is read, from a file or from an archive, comes from here.
+SectionState readSurface(ByteReader& r, const std::shared_ptr<const void>& owner, BodySurface& body)
+{
+	body = {};
+	if (r.complete()) return SectionState::Good;
+	ContactSurface& surface = body.surface;
+	DepthField& field = body.field;
+	const size_t surfaceNodes = r.count(sizeof(SurfaceNode)), elements = r.count(sizeof(SurfaceElement));
+	const size_t fieldNodes = r.count(sizeof(DepthNode)), cells = r.count(sizeof(DepthCell));
+	field.domain.lower = r.vec3();
+	field.domain.upper = r.vec3();
+	field.margin = r.f64();
+	surface.nodes = readArray<SurfaceNode>(r, owner, surfaceNodes);
+	surface.elements = readArray<SurfaceElement>(r, owner, elements);
+	field.nodes = readArray<DepthNode>(r, owner, fieldNodes);
+	field.cells = readArray<DepthCell>(r, owner, cells);
+	if (!r.complete() || body.empty()) return SectionState::Bad;
+	if (!surface.validate().empty() || !field.validate().empty()) return SectionState::Doubtful;
+	body.tables = buildQueryTables(surface, field);
+	return SectionState::Good;
+}
 }  // namespace
 
 const char* sectionName(uint32_t id)
 {
-	static const char* const names[] = {"", "mass", "provenance", "sphere", "law tree", "cell tree", "inner tree"};
+	static const char* const names[] = {"", "mass", "provenance", "sphere", "law tree", "cell tree", "inner tree", "surface"};
 	return names[id];
 }
 
@@ -114,7 +159,7 @@ void writeMass(ByteWriter& w, const InnerSphereTree& t)
 	w.f64(t.area);
 	w.vec3(t.box.lower);
 	w.vec3(t.box.upper);
-	for (double v : {t.meanGap, t.maxGap, t.uncoveredArea, t.fill, t.resolution}) w.f64(v);
+	for (double v : {t.meanGap, t.maxGap, t.uncoveredArea, t.fill, t.resolution, t.sagitta}) w.f64(v);
 }
 
 void readMass(ByteReader& r, InnerSphereTree& t)
@@ -126,7 +171,7 @@ void readMass(ByteReader& r, InnerSphereTree& t)
 	t.area = r.f64();
 	t.box.lower = r.vec3();
 	t.box.upper = r.vec3();
-	for (double* v : {&t.meanGap, &t.maxGap, &t.uncoveredArea, &t.fill, &t.resolution}) *v = r.f64();
+	for (double* v : {&t.meanGap, &t.maxGap, &t.uncoveredArea, &t.fill, &t.resolution, &t.sagitta}) *v = r.f64();
 }
 
 void writeProvenance(ByteWriter& w, const InnerSphereTree::Provenance& p)
@@ -185,7 +230,8 @@ std::vector<std::byte> encodeSection(uint32_t id, const InnerSphereTree& tree)
 		break;
 	case kLawSection: writeTree(w, tree.law); break;
 	case kCellSection: writeTree(w, tree.cells); break;
-	default: writeTree(w, tree.inner); break;
+	case kInnerSection: writeTree(w, tree.inner); break;
+	default: writeSurface(w, tree.surface); break;
 	}
 	return w.take();
 }
@@ -205,7 +251,8 @@ SectionState decodeSection(
 	case kSphereSection: tree.spheres = readArray<Sphere>(r, owner, r.count(sizeof(Sphere))); break;
 	case kLawSection: return readMomentTree(r, owner, tree.law, tree.spheres.size());
 	case kCellSection: return readMomentTree(r, owner, tree.cells, tree.spheres.size());
-	default: return readInnerTree(r, owner, tree.inner, tree.spheres);
+	case kInnerSection: return readInnerTree(r, owner, tree.inner, tree.spheres);
+	default: return readSurface(r, owner, tree.surface);
 	}
 	return r.complete() ? SectionState::Good : SectionState::Bad;
 }

@@ -19,6 +19,7 @@ enum AssetSection : uint32_t
 	kLawSection,
 	kCellSection,
 	kInnerSection,
+	kSurfaceSection,
 	kSectionEnd
 };
 
@@ -29,12 +30,13 @@ constexpr size_t kSectionAlignment = 64;
 
 /// The bytes of a section as this version writes it. A tree is stored as the numbers of its nodes and blocks, then its arrays: nodes,
 /// balls and ellipsoids, or in the inner tree nodes, balls and their indices. They are words of 32 or 16 bits in the order of the
-/// members.
+/// members. The surface is stored as the numbers of its nodes and elements, and of the nodes and cells of its depth field, then the field's
+/// domain and margin, then these four arrays. The section of an empty surface has no bytes.
 std::vector<std::byte> encodeSection(uint32_t id, const InnerSphereTree& tree);
 enum class SectionState
 {
 	Bad,       ///< does not have the size that it states, or names a sphere that does not exist
-	Doubtful,  ///< read; `BallTree::validate` must decide whether its tree is valid
+	Doubtful,  ///< read; `InnerSphereTree::validate` must decide whether it is valid
 	Good
 };
 /// Decodes a section. The arrays of `tree` stay in `bytes`, which must begin at a multiple of kSectionAlignment and live as long as

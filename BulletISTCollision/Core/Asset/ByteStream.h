@@ -151,6 +151,7 @@ public:
 		m_failed = true;
 		m_left = 0;
 	}
+	size_t left() const { return m_left; }
 	bool failed() const { return m_failed; }
 	bool complete() const { return !m_failed && m_left == 0; }
 

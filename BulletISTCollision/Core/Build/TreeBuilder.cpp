@@ -5,14 +5,20 @@
 #include "BulletISTCollision/Core/Base/SteadyTime.h"
 #include "BulletISTCollision/Core/Base/ThreadCount.h"
 #include "BulletISTCollision/Core/Leaves/Cells.h"
+#include "BulletISTCollision/Core/Mesh/FacetSagitta.h"
 #include "BulletISTCollision/Core/Packing/SpherePacker.h"
 #include "BulletISTCollision/Core/Tree/SurfaceResolution.h"
+
+#include <algorithm>
+#include <cmath>
 
 namespace ist
 {
 namespace
 {
 constexpr int64_t kMostSpheresForLeaves = 100000;
+/// Cells of the depth field, and elements of the surface, of a body of 1,000 spheres.
+constexpr double kPiecesOfThousand = 1000;
 
 /// Whether leaves of smooth bodies are split further: true unless the build has a target fill or a smallest radius.
 bool splitsSmoothBodies(const BuildOptions& options) { return options.targetFill >= 1 && options.minRadius <= 0; }
@@ -65,6 +71,7 @@ void describe(InnerSphereTree& tree, const Mesh& source, const RepairedMesh& rep
 	tree.volume = mass.volume;
 	tree.inertia = mass.inertia;
 	tree.area = surfaceArea(repaired.mesh);
+	tree.sagitta = facetSagitta(repaired.mesh);
 }
 
 Result<SpherePacking> pack(const MeshDistance& surface, const Vec3& origin, const BuildOptions& options)
@@ -78,6 +85,18 @@ Result<SpherePacking> pack(const MeshDistance& surface, const Vec3& origin, cons
 	packing.progress = options.progress;
 	packing.origin = origin;
 	return packSpheres(surface, packing);
+}
+
+/// More spheres ask for a finer surface, but its error falls faster than that of the leaves.
+BodySurfaceOptions surfaceOptions(const BuildOptions& options)
+{
+	BodySurfaceOptions surface;
+	const double spheres = double(std::clamp<int64_t>(options.maxSpheres, 1, kMostSpheresForLeaves));
+	surface.cells = surface.elements = int64_t(kPiecesOfThousand * std::sqrt(spheres / 1000));
+	surface.seed = options.seed;
+	surface.threads = options.threads;
+	surface.progress = options.progress;
+	return surface;
 }
 
 /// Returns false when the build was cancelled.
@@ -153,6 +172,14 @@ Result<InnerSphereTree> buildRepaired(const Mesh& mesh, const RepairedMesh& repa
 	tree.uncoveredArea = cells.value().uncoveredArea;
 	tree.spheres = std::move(packing.value().spheres);
 	seconds.leaves = watch.lap();
+
+	if (options.surface)
+	{
+		Result<BodySurface> body = buildBodySurface(surface, surfaceOptions(options));
+		if (!body) return body.error();
+		tree.surface = std::move(body.value());
+	}
+	seconds.surface = watch.lap();
 
 	if (!buildTrees(tree, cells.value(), threads, options.progress)) return cancelled();
 	seconds.tree = watch.lap();

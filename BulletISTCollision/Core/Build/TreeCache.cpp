@@ -25,7 +25,8 @@ bool wasBuiltWith(const InnerSphereTree& tree, uint64_t hash, const BuildOptions
 {
 	const InnerSphereTree::Provenance& p = tree.provenance;
 	return p.meshHash == hash && p.requestedSpheres == options.maxSpheres && p.requestedFill == options.targetFill &&
-		p.requestedMinRadius == options.minRadius && p.seed == options.seed && p.unit == options.unit;
+		p.requestedMinRadius == options.minRadius && p.seed == options.seed && p.unit == options.unit &&
+		tree.surface.empty() != options.surface;
 }
 
 /// Change of the volume that closing the mesh may cause, as a share of the volume.
@@ -90,8 +91,8 @@ std::string keep(const InnerSphereTree& tree, double doubt, const std::string& f
 
 uint64_t treeKey(const Mesh& mesh, const BuildOptions& options)
 {
-	const uint64_t words[] = {
-		meshHash(mesh), kAssetVersion, kBuilderVersion, uint64_t(options.maxSpheres), options.seed, uint64_t(options.repair)};
+	const uint64_t words[] = {meshHash(mesh), kAssetVersion, kBuilderVersion, uint64_t(options.maxSpheres), options.seed,
+		uint64_t(options.repair), uint64_t(options.surface)};
 	const double numbers[] = {options.targetFill, options.minRadius, options.unit, mesh.rounding};
 	std::byte bytes[sizeof words + sizeof numbers];
 	std::memcpy(bytes, words, sizeof words);

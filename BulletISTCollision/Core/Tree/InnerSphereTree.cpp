@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
 
+#include "BulletISTCollision/Core/Surface/SurfaceLimits.h"
+#include "BulletISTCollision/Core/Tree/TreeLimits.h"
+
 #include <cmath>
 
 namespace ist
 {
 namespace
 {
+static_assert(kFarthest == kMostReach);
+
 bool isLength(double value) { return std::isfinite(value) && value >= 0; }
 }  // namespace
 
@@ -18,6 +23,7 @@ std::string InnerSphereTree::validate() const
 		if (!isFinite(inertia.row(i))) return "inertia not finite";
 	if (!isLength(area)) return "area not finite";
 	if (!isLength(meanGap) || !isLength(maxGap) || !isLength(resolution)) return "gap not finite";
+	if (!isLength(sagitta)) return "sagitta not finite";
 	if (!isLength(uncoveredArea) || !isLength(fill)) return "fill or uncovered share not finite";
 	if (!std::all_of(calibration.begin(), calibration.end(), isLength)) return "calibration not finite";
 	const struct
@@ -32,6 +38,8 @@ std::string InnerSphereTree::validate() const
 		const std::string problem = tree.validate();
 		if (!problem.empty()) return std::string(name) + " tree: " + problem;
 	}
+	if (!surface.empty())
+		if (const std::string problem = surface.validate(); !problem.empty()) return "surface: " + problem;
 	for (size_t i = 0; i < levels.size(); ++i)
 	{
 		const std::string problem = levels[i].empty() ? "empty" : levels[i].validate();

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Geometry/SpherePacking.h"
 #include "BulletISTCollision/Core/Mesh/Mesh.h"
+#include "BulletISTCollision/Core/Surface/BodySurface.h"
 #include "BulletISTCollision/Core/Tree/BallTree.h"
 
 #include <algorithm>
@@ -28,9 +29,11 @@ struct InnerSphereTree
 	double uncoveredArea = 0;
 	double fill = 0;
 	double resolution = 0;  ///< surfaceResolution() of `law` [m]
+	double sagitta = 0;     ///< facetSagitta() of the repaired mesh [m]
 
 	FrozenArray<Sphere> spheres;      ///< the packing, largest first
-	BallTree law;                     ///< leaves: the default estimator and law
+	BodySurface surface;              ///< what contact between two trees is computed from; may be empty
+	BallTree law;                     ///< leaves: contact with closed forms, at coarser levels, and where a body has no surface
 	std::vector<BallTree> levels;     ///< coarser versions of `law`, the finest first (TreeLevels.h); may be empty
 	std::vector<double> calibration;  ///< calibration of the leaves and of each level (LevelCalibration.h); empty if never measured
 	BallTree cells;                   ///< unsplit cells: volume mode

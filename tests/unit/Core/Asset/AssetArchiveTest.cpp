@@ -29,6 +29,7 @@ const Packed& packedTorus()
 {
 	static const Packed packed = [] {
 		BuildOptions options;
+		options.surface = true;
 		options.maxSpheres = 1500;
 		Packed p;
 		Result<InnerSphereTree> built = buildTree(translated(makeTorusMesh(0.3, 0.1, 48, 24), {100, -3, 20}), options);
@@ -45,10 +46,10 @@ const Packed& packedTorus()
 	return packed;
 }
 
-TEST(AssetArchive, TakesAtMostFortyBytesASphere)
+TEST(AssetArchive, TakesAtMostFortyBytesASphereAndTheSurface)
 {
 	const Packed& p = packedTorus();
-	EXPECT_LE(p.bytes, 40 * p.tree.spheres.size());
+	EXPECT_LE(p.bytes, 40 * p.tree.spheres.size() + p.tree.surface.bytes());
 	EXPECT_EQ(p.archived.spheres.size(), p.tree.spheres.size());
 	EXPECT_EQ(p.archived.law.ballCount(), p.tree.law.ballCount());
 	EXPECT_EQ(p.archived.provenance.meshHash, p.tree.provenance.meshHash);
@@ -128,6 +129,7 @@ TEST(AssetArchive, LeavesKeepTheirShapesAsFarAsIsPromised)
 		crossed.vertices.push_back(v);
 	const Pose X = {rotationMatrix(quaternionFromRotationVector({0.3, 1, -0.5})), {100, 2, 3}};
 	BuildOptions options;
+	options.surface = true;
 	options.maxSpheres = 1500;
 	int thin = 0, thick = 0;
 	for (const Mesh& mesh : {transformed(makeBoxMesh({0.5, 0.5, 0.005}), X), transformed(crossed, X)})

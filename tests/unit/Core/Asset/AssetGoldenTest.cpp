@@ -25,6 +25,7 @@ struct GoldenBody
 	Vec3 center;
 	double volume, area;
 	Vec3 principal;  ///< diagonal of the inertia about the centre, density 1
+	double sagitta;  ///< of the facets, below the curved body that they stand for
 };
 
 std::vector<GoldenBody> goldenBodies()
@@ -44,10 +45,11 @@ std::vector<GoldenBody> goldenBodies()
 	const Vec3 prismInertia{prism * (across + half * half / 3), prism * (across + half * half / 3), prism * 2 * across},
 		prismCenter{0.5, 0.5, -0.5};
 	const double prismArea = 2 * base + kSegments * 2 * r * std::sin(angle / 2) * 2 * half;
-	return {{"box", translated(makeBoxMesh(h), boxCenter), boxCenter, boxVolume, 8 * (h.x * h.y + h.y * h.z + h.z * h.x), boxInertia},
+	return {{"box", translated(makeBoxMesh(h), boxCenter), boxCenter, boxVolume, 8 * (h.x * h.y + h.y * h.z + h.z * h.x), boxInertia, 0},
 		{"tetrahedron", translated(makeTetrahedronMesh(edge), tetCenter), tetCenter, tetVolume, std::sqrt(3.0) * edge * edge,
-			{tetInertia, tetInertia, tetInertia}},
-		{"cylinder", translated(makeCylinderMesh(r, half, kSegments), prismCenter), prismCenter, prism, prismArea, prismInertia}};
+			{tetInertia, tetInertia, tetInertia}, 0},
+		{"cylinder", translated(makeCylinderMesh(r, half, kSegments), prismCenter), prismCenter, prism, prismArea, prismInertia,
+			r * (1 - std::cos(angle / 2))}};
 }
 
 std::string goldenPath(const std::string& name) { return std::string(IST_GOLDEN_FOLDER) + "/" + name; }
@@ -81,9 +83,21 @@ void expectIsBody(const InnerSphereTree& tree, const GoldenBody& body)
 		for (size_t j = 0; j < i; ++j) ASSERT_GE(distance(a.center(), tree.spheres[j].center()), double(a.r) + tree.spheres[j].r);
 	}
 	EXPECT_NEAR(spheres, tree.fill * body.volume, 1e-6 * body.volume);
+	EXPECT_NEAR(tree.sagitta, body.sagitta, 0.02 * body.sagitta + 1e-12);
+	double area = 0;
+	Vec3 closed;
+	for (const SurfaceElement& e : tree.surface.surface.elements)
+	{
+		area += e.area;
+		closed += Vec3{e.normal[0], e.normal[1], e.normal[2]} * double(e.area);
+	}
+	EXPECT_NEAR(area, body.area, 1e-5 * body.area);
+	EXPECT_NEAR(norm(closed), 0, 1e-5 * body.area);
+	EXPECT_GT(tree.surface.field.at({}).depth, 0);
 }
 
 std::string currentName(const GoldenBody& body) { return body.name + ("-v" + std::to_string(kAssetVersion)) + ".ist"; }
+std::string archiveName(const GoldenBody& body) { return body.name + ("-v" + std::to_string(kArchiveVersion)) + ".ista"; }
 
 TEST(AssetGolden, TheCurrentVersionLoadsAsTheBodyThatItWas)
 {
@@ -102,10 +116,25 @@ TEST(AssetGolden, TheArchiveLoadsAsTheBodyThatItWas)
 {
 	for (const GoldenBody& body : goldenBodies())
 	{
-		const Result<InnerSphereTree> tree = loadAsset(goldenPath(body.name + std::string("-v1.ista")));
+		const Result<InnerSphereTree> tree = loadAsset(goldenPath(archiveName(body)));
 		ASSERT_TRUE(tree) << tree.error().message;
 		expectIsBody(tree.value(), body);
 	}
+}
+
+TEST(AssetGolden, FilesOfOlderReleasesAreRefusedWithTheCommandThatRebuildsThem)
+{
+	const auto refusal = [](const char* name) {
+		const Result<InnerSphereTree> tree = loadAsset(goldenPath(name));
+		return tree ? std::string() : tree.error().message;
+	};
+	EXPECT_EQ(refusal("box-v6.ist"),
+		"\"" + goldenPath("box-v6.ist") +
+			"\": it is of format version 6 of BulletHaptics 0.3 or older; rebuild it: ist build MESH -o FILE");
+	EXPECT_EQ(refusal("box-v1.ista"),
+		"\"" + goldenPath("box-v1.ista") +
+			"\": the archive is of format version 1 of BulletHaptics 0.3 or older; rebuild it: ist build MESH -o FILE, then "
+			"ist pack FILE -o ARCHIVE");
 }
 
 TEST(AssetGolden, TheCurrentVersionIsWrittenAsTheSameBytes)
@@ -128,12 +157,13 @@ TEST(AssetGolden, DISABLED_WriteGoldenFiles)
 	for (const GoldenBody& body : goldenBodies())
 	{
 		BuildOptions options;
+		options.surface = true;
 		options.maxSpheres = 100;
 		options.seed = 7;
 		const Result<InnerSphereTree> tree = buildTree(body.mesh, options);
 		ASSERT_TRUE(tree) << tree.error().message;
 		EXPECT_TRUE(saveAsset(tree.value(), goldenPath(currentName(body))));
-		EXPECT_TRUE(saveArchive(tree.value(), goldenPath(body.name + ("-v" + std::to_string(kArchiveVersion)) + ".ista")));
+		EXPECT_TRUE(saveArchive(tree.value(), goldenPath(archiveName(body))));
 	}
 }
 }  // namespace

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Query/SurfaceOverlap.h"
 #include "tests/fuzz/SealedAsset.h"
 
 #include <gtest/gtest.h>
@@ -21,6 +22,7 @@ const InnerSphereTree& sourceTree()
 {
 	static const InnerSphereTree tree = [] {
 		BuildOptions options;
+		options.surface = true;
 		options.maxSpheres = 30;
 		Result<InnerSphereTree> built = buildTree(translated(makeBoxMesh({0.3, 0.2, 0.1}), {1, 2, 3}), options);
 		EXPECT_TRUE(built) << built.error().message;
@@ -56,8 +58,8 @@ void mutate(Bytes& bytes, std::mt19937_64& random)
 	}
 	default:  // two entries of the section table are swapped
 	{
-		if (bytes.size() < 32 + 6 * 32) return;
-		const size_t a = 32 + below(6) * 32, b = 32 + below(6) * 32;
+		if (bytes.size() < 32 + 7 * 32) return;
+		const size_t a = 32 + below(7) * 32, b = 32 + below(7) * 32;
 		if (a != b)
 			std::swap_ranges(bytes.begin() + std::ptrdiff_t(a), bytes.begin() + std::ptrdiff_t(a + 32), bytes.begin() + std::ptrdiff_t(b));
 	}
@@ -71,6 +73,8 @@ void expectSound(const InnerSphereTree& tree)
 	static QueryWorkspace workspace;
 	const double step = tree.box.longestSide() / 3;
 	(void)queryOverlap(tree, tree, {{}, {step, step / 2, 0}}, workspace);
+	static SurfaceWorkspace surfaceWorkspace;
+	(void)surfaceOverlap(tree.surface, tree.surface, {{}, {step, step / 2, 0}}, surfaceWorkspace);
 	const Bytes again = encodeAsset(tree);
 	const Result<InnerSphereTree> back = decodeAsset(again.data(), again.size());
 	ASSERT_TRUE(back) << back.error().message;

@@ -110,6 +110,26 @@ TEST(TreeCache, ReplacesAFileThatIsDamagedOrOfSomethingElse)
 	EXPECT_TRUE(cachedTree(mesh, few(), folder.path.string()).value().fromCache);
 }
 
+// The key contains the version, so such a file lies there only if somebody renamed it.
+TEST(TreeCache, RebuildsAFileOfAnOlderFormat)
+{
+	const Folder folder;
+	const Mesh mesh = makeBoxMesh({0.5, 0.3, 0.2});
+	const auto first = cachedTree(mesh, few(), folder.path.string());
+	ASSERT_TRUE(first);
+	{
+		std::fstream file(folder.only(), std::ios::in | std::ios::out | std::ios::binary);
+		file.seekp(8);
+		file.put(char(kAssetVersion - 1));
+	}
+	const auto rebuilt = cachedTree(mesh, few(), folder.path.string());
+	ASSERT_TRUE(rebuilt) << rebuilt.error().message;
+	EXPECT_FALSE(rebuilt.value().fromCache);
+	EXPECT_NE(rebuilt.value().note.find("format version 6"), std::string::npos) << rebuilt.value().note;
+	EXPECT_EQ(encodeAsset(*rebuilt.value().tree), encodeAsset(*first.value().tree));
+	EXPECT_TRUE(cachedTree(mesh, few(), folder.path.string()).value().fromCache);
+}
+
 TEST(TreeCache, BuildsAllTheSameWhereItCannotWrite)
 {
 	const Folder folder;
