@@ -30,6 +30,7 @@ set(BULLETHAPTICS_HEADERS
 	BulletISTCollision/Core/Accuracy/LevelCalibration.h
 	BulletISTCollision/Core/Accuracy/AdaptiveLevel.h
 	BulletISTCollision/Core/Asset/AssetFile.h
+	BulletISTCollision/Core/Base/DemandZeroArray.h
 	BulletISTCollision/Core/Base/FrozenArray.h
 	BulletISTCollision/Core/Base/InstructionSet.h
 	BulletISTCollision/Core/Base/Pose.h
@@ -41,8 +42,10 @@ set(BULLETHAPTICS_HEADERS
 	BulletISTCollision/Core/Build/TreeCache.h
 	BulletISTCollision/Core/Build/TreeWorker.h
 	BulletISTCollision/Core/Distance/MeshDistance.h
+	BulletISTCollision/Core/Force/ContactPoints.h
 	BulletISTCollision/Core/Force/PairLaws.h
 	BulletISTCollision/Core/Force/PressureField.h
+	BulletISTCollision/Core/Force/TaxelArray.h
 	BulletISTCollision/Core/Geometry/AnalyticField.h
 	BulletISTCollision/Core/Geometry/MomentEllipsoid.h
 	BulletISTCollision/Core/Geometry/SpherePacking.h
@@ -51,10 +54,15 @@ set(BULLETHAPTICS_HEADERS
 	BulletISTCollision/Core/Mesh/MeshDivision.h
 	BulletISTCollision/Core/Mesh/MeshShapes.h
 	BulletISTCollision/Core/Mesh/TexturedMesh.h
+	BulletISTCollision/Core/Faces/ContactFaces.h
 	BulletISTCollision/Core/Query/OverlapQuery.h
 	BulletISTCollision/Core/Query/VerletList.h
 	BulletISTCollision/Core/Query/ProximityQuery.h
 	BulletISTCollision/Core/Repair/MeshRepair.h
+	BulletISTCollision/Core/Surface/BodySurface.h
+	BulletISTCollision/Core/Surface/ContactSurface.h
+	BulletISTCollision/Core/Surface/DepthField.h
+	BulletISTCollision/Core/Surface/QueryTables.h
 	BulletISTCollision/Core/Tree/BallTree.h
 	BulletISTCollision/Core/Tree/InnerSphereTree.h
 	BulletISTCollision/Core/Tuning/StableTimeStep.h

@@ -17,8 +17,13 @@ namespace
 /// Thresholds in pairs of leaves of the last step. kWorthCopying: from this size on (some microseconds of query), a query is worth a copy
 /// of its contact. kWorthSharing: from this sum on (some tens of microseconds), all queries except the largest are worth a second thread.
 constexpr int64_t kWorthCopying = 64, kWorthSharing = 512;
+/// A face of a surface takes as long as this many pairs of leaves.
+constexpr int64_t kPairsOfAFace = 16;
 /// Shortest time for which the owner waits for a query that another thread has begun [us].
 constexpr double kShortestWait = 20;
+
+/// Cost of a contact's query, in pairs of leaves.
+int64_t costOf(const ist::OverlapIntegrals& total) { return (total.surfaceVolume > 0 ? kPairsOfAFace : 1) * total.pairs; }
 }  // namespace
 
 btISTQueryThreads::btISTQueryThreads(int threads, const ist::QueryCapacity& capacity, double spinMicroseconds)
@@ -88,19 +93,18 @@ void btISTQueryThreads::gather(const btISTContactStore& store, btDispatcher& dis
 	int64_t sum = 0, largest = 0;
 	for (btISTContact* contact : store.contacts())
 	{
-		const int64_t pairs = contact->total.pairs;
-		if (pairs < kWorthCopying || !contact->canPrefetch || contact->detectionPass + 1 != m_pass ||
-			contact->use != btISTCachedResult::Ask)
+		const int64_t cost = costOf(contact->total);
+		if (cost < kWorthCopying || !contact->canPrefetch || contact->detectionPass + 1 != m_pass || contact->use != btISTCachedResult::Ask)
 			continue;
 		if (!dispatcher.needsCollision(contact->bodyA, contact->bodyB)) continue;
-		m_wanted.emplace_back(pairs, contact);
-		sum += pairs;
-		largest = std::max(largest, pairs);
+		m_wanted.emplace_back(cost, contact);
+		sum += cost;
+		largest = std::max(largest, cost);
 	}
 	if (sum - largest < kWorthSharing) return;
 	std::sort(m_wanted.begin(), m_wanted.end(), [](const auto& p, const auto& q) { return p.first > q.first; });
 	while (m_answers.size() < m_wanted.size()) m_answers.push_back(std::make_unique<Answer>());
-	for (const auto& [pairs, contact] : m_wanted)
+	for (const auto& [cost, contact] : m_wanted)
 	{
 		Answer& answer = *m_answers[size_t(m_count)];
 		answer.of = contact;

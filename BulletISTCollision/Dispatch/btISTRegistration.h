@@ -105,10 +105,10 @@ public:
 
 	/// Number of pairs of bodies that have a Verlet list of leaf pairs (ist::VerletList), 0 to 1024; default 0. For slowly moving pairs,
 	/// such as fingers on an object, a query with patches takes about 40 % of its normal time. `leafPairs` is the capacity of each list,
-	/// at 17 bytes per pair of leaves; all lists together hold at most 200 million. They serve pairs of two trees at every level. The
-	/// sums differ only by the rounding of floats. Contacts may be divided into the patches of some steps before. A late query that is
-	/// repeated (setQueryThreads) may differ by that rounding, and in its patches. Refused out of range or when memory runs out; then
-	/// nothing changes. Call it between steps only.
+	/// at 17 bytes per pair of leaves; all lists together hold at most 200 million. They serve pairs of two trees wherever leaves
+	/// or a level answer; surfaces need none. The sums differ only by the rounding of floats. Contacts may be divided into the patches of
+	/// some steps before. A late query that is repeated (setQueryThreads) may differ by that rounding, and in its patches. Refused out of
+	/// range or when memory runs out; then nothing changes. Call it between steps only.
 	std::optional<ist::Error> setVerletLists(int pairsOfBodies, int leafPairs = 40000);
 	int verletLists() const;
 

@@ -18,7 +18,7 @@ btISTVerletLists::btISTVerletLists(int count, int leafPairs)
 
 void btISTVerletLists::assign(btISTContact& contact) const
 {
-	if (contact.total.pairs == 0 || !contact.treeB) return contact.memory.reset();
+	if (contact.total.pairs == 0 || !contact.treeB || contact.total.surfaceVolume > 0) return contact.memory.reset();
 	if (contact.memory || contact.total.pairs < kWorthRemembering) return;
 	// Copies of contacts that other threads answer hold the list, too. A list that only m_all holds is not in use.
 	const auto free = std::find_if(m_all.begin(), m_all.end(), [](const auto& memory) { return memory.use_count() == 1; });

@@ -37,7 +37,7 @@ RepairMode repairMode(const std::string& name)
 }
 
 Tree build(const Doubles& vertices, const py::object& triangles, int64_t spheres, double fill, double minRadius,
-	std::optional<double> error, const std::string& repair, uint64_t seed, int threads, const py::object& progress)
+	std::optional<double> error, const std::string& repair, uint64_t seed, int threads, const py::object& progress, bool surface)
 {
 	if (spheres < 1) throw py::value_error("spheres must be at least 1");
 	if (!(fill > 0 && fill <= 1)) throw py::value_error("fill must be above 0 and at most 1");
@@ -51,6 +51,7 @@ Tree build(const Doubles& vertices, const py::object& triangles, int64_t spheres
 	options.minRadius = minRadius;
 	options.repair = repairMode(repair);
 	options.seed = seed;
+	options.surface = surface;
 	options.threads = threads;
 	return std::make_shared<InnerSphereTree>(run(progress, [&](const Progress& watch) {
 		options.progress = watch;
@@ -110,6 +111,11 @@ void bindTree(py::module_& module)
 		.def_property_readonly(
 			"leaves", [](const InnerSphereTree& t) { return t.law.ballCount(); }, "Number of leaves of the law's tree.")
 		.def_property_readonly(
+			"elements", [](const InnerSphereTree& t) { return t.surface.surface.elements.size(); }, "Number of elements of the surface.")
+		.def_property_readonly(
+			"sagitta", [](const InnerSphereTree& t) { return t.sagitta; },
+			"Between the mesh's facets and the curved surface that they stand for, largest [m]; an estimate.")
+		.def_property_readonly(
 			"repair", [](const InnerSphereTree& t) { return t.provenance.repair; }, "What repair did to the mesh, in sentences.")
 		.def("__repr__", [](const InnerSphereTree& t) {
 			return "<bullethaptics.Tree of " + std::to_string(t.spheres.size()) + " spheres, " + std::to_string(t.law.ballCount()) +
@@ -127,11 +133,12 @@ void bindFunctions(py::module_& module)
 {
 	module.def("build", &build, "vertices"_a, "triangles"_a = py::none(), py::kw_only(), "spheres"_a = int64_t(10000), "fill"_a = 1.0,
 		"min_radius"_a = 0.0, "error"_a = py::none(), "repair"_a = "auto", "seed"_a = uint64_t(1), "threads"_a = 0,
-		"progress"_a = py::none(),
+		"progress"_a = py::none(), "surface"_a = false,
 		"A tree from a mesh [m]: vertices (n, 3) or flat, triangles (m, 3) or flat, counter-clockwise seen from outside; without "
 		"triangles, "
 		"each three vertices are one. `error`: force error at 1 % overlap to reach with at most `spheres`. `progress(stage, fraction)` may "
-		"return False to cancel. Raises bullethaptics.Error with a sentence.");
+		"return False to cancel. `surface`: also what contact below the gaps between spheres is computed from. Raises bullethaptics.Error "
+		"with a sentence.");
 	module.def("load", &load, "path"_a, "A tree from an .ist or .ista file.");
 	module.def(
 		"read_mesh",
@@ -151,6 +158,11 @@ void bindFunctions(py::module_& module)
 		"at the coarsest level that keeps this force error, with two more columns: `promise`, the force error that holds in 95 % of "
 		"contacts, and "
 		"`kept`. `level`, the finest one allowed then, `max_pairs` and `error` need trees with levels: with_levels().");
+	module.def("contact_surface", &contactSurface, "a"_a, "b"_a, "pose"_a, py::kw_only(), "stiffness"_a = 1.0,
+		"The contact surface of body b at `pose` in a's mesh frame: a dict of arrays with a row for each point. `position` in a's mesh "
+		"frame "
+		"[m], `normal`: direction of the force on a, `area` [m^2], `pressure` [Pa], `error`: its standard error [Pa], `of_a`: whether the "
+		"area is of a's surface. The sum of area * pressure * normal is the force of query().");
 	const WorldSetup usual;
 	module.def(
 		"tune",

@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Python/QueryArrays.h"
 
 #include "BulletISTCollision/Core/Accuracy/ForceErrorBound.h"
+#include "BulletISTCollision/Core/Force/ContactPoints.h"
 #include "BulletISTCollision/Core/Query/ProximityQuery.h"
 
 #include <algorithm>
@@ -258,6 +259,34 @@ py::dict query(const InnerSphereTree& A, const InnerSphereTree& B, const py::obj
 		}
 	}
 	if (status != QueryStatus::Ok) throw py::value_error("pose " + std::to_string(row) + ": " + toString(status));
+	return answer.dict();
+}
+
+py::dict contactSurface(const InnerSphereTree& A, const InnerSphereTree& B, const py::object& object, double stiffness)
+{
+	check(A, B, stiffness, -1, -1, {});
+	const Poses poses = posesFrom(object);
+	if (!poses.single) throw py::value_error("contact_surface takes one pose");
+	QueryWorkspace workspace;
+	const OverlapResult overlap = queryOverlap(A, B, poses.X_AB[0], workspace);
+	if (overlap.status != QueryStatus::Ok) throw py::value_error(toString(overlap.status));
+	std::vector<ContactPoint> points(contactPointCount(overlap));
+	contactPoints(overlap, {stiffness, 0.5, 0.5}, points.data(), points.size());
+	Poses rows;
+	rows.X_AB.resize(points.size());
+	Answer answer(rows);
+	double *position = answer.numbers("position", {3}), *normal = answer.numbers("normal", {3}), *area = answer.numbers("area");
+	double *pressure = answer.numbers("pressure"), *error = answer.numbers("error");
+	bool* ofA = answer.truths("of_a");
+	for (size_t i = 0; i < points.size(); ++i)
+	{
+		put(position, i, points[i].position + A.origin);
+		put(normal, i, points[i].normal);
+		area[i] = points[i].area;
+		pressure[i] = points[i].pressure;
+		error[i] = points[i].error;
+		ofA[i] = points[i].ofA;
+	}
 	return answer.dict();
 }
 

@@ -23,6 +23,10 @@ Poses posesFrom(const pybind11::object& object);
 pybind11::dict query(const InnerSphereTree& A, const InnerSphereTree& B, const pybind11::object& poses, double stiffness, int level,
 	int64_t maxPairs, std::optional<double> error);
 
+/// Returns the contact surface at one pose (ContactPoints.h) as a dict of arrays with a row for each point: position (n, 3) in A's mesh
+/// frame, normal (n, 3), area, pressure, error and of_a. The weights are 1/2.
+pybind11::dict contactSurface(const InnerSphereTree& A, const InnerSphereTree& B, const pybind11::object& pose, double stiffness);
+
 /// The (upper, lower) bounds of the distance [m], each with a row for each pose.
 pybind11::tuple distance(const InnerSphereTree& A, const InnerSphereTree& B, const pybind11::object& poses);
 

@@ -250,4 +250,25 @@ ProtrusionFinding findProtrusions(std::span<const Sphere> spheres, const Mesh& m
 	}
 	return found;
 }
+
+SurfaceFinding checkSurface(const InnerSphereTree& tree)
+{
+	SurfaceFinding found;
+	Real area = 0;
+	Point open{0, 0, 0};
+	for (const SurfaceElement& e : tree.surface.surface.elements)
+	{
+		area += e.area;
+		open = {open.x + Real(e.area) * e.normal[0], open.y + Real(e.area) * e.normal[1], open.z + Real(e.area) * e.normal[2]};
+	}
+	found.areaError = static_cast<double>(std::fabs(area - tree.area) / tree.area);
+	found.openArea = static_cast<double>(std::sqrt(inner(open, open)) / area);
+	return found;
+}
+
+bool SurfaceFinding::holds() const
+{
+	constexpr double kRounding = 1e-4;  // of floats in the elements, with room
+	return areaError < kRounding && openArea < kRounding;
+}
 }  // namespace ist::tools

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Geometry/SpherePacking.h"
 #include "BulletISTCollision/Core/Mesh/Mesh.h"
+#include "BulletISTCollision/Core/Tree/InnerSphereTree.h"
 
 #include <cstdint>
 #include <span>
@@ -23,6 +24,15 @@ struct ProtrusionFinding
 	int64_t spheres = 0;
 	double farthest = 0;  ///< largest distance beyond the surface [m]
 };
+/// How far the stored surface is from closed. It is measured by integrals, which no element can satisfy alone.
+struct SurfaceFinding
+{
+	double areaError = 0;  ///< difference between the area of the elements and that of the mesh, as a share of the latter
+	double openArea = 0;   ///< length of the sum of area times normal, as a share of the area; zero for a closed surface
+	bool holds() const;
+};
+SurfaceFinding checkSurface(const InnerSphereTree& tree);
+
 /// `mesh`: closed, oriented outwards, in the frame of the spheres.
 ProtrusionFinding findProtrusions(std::span<const Sphere> spheres, const Mesh& mesh);
 }  // namespace ist::tools

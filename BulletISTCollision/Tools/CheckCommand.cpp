@@ -50,7 +50,9 @@ int runCheck(const CheckArguments& a)
 	std::vector<std::string> problems;
 	const Result<InnerSphereTree> tree = loadAsset(a.file);
 	report["ok"] = false;
-	for (const char* name : {"spheres", "overlapping_pairs", "max_overlap", "protruding", "max_protrusion"}) report[name] = nullptr;
+	for (const char* name : {"spheres", "overlapping_pairs", "max_overlap", "protruding", "max_protrusion", "surface_elements",
+			 "surface_area_error", "surface_open_area"})
+		report[name] = nullptr;
 	if (!tree) problems.push_back(tree.error().message);
 	else
 	{
@@ -60,6 +62,14 @@ int runCheck(const CheckArguments& a)
 		report["overlapping_pairs"] = overlaps.pairs;
 		report["max_overlap"] = overlaps.deepest;
 		if (overlaps.pairs > 0) problems.push_back(count(overlaps.pairs, "pairs of spheres overlap"));
+		report["surface_elements"] = tree.value().surface.surface.elements.size();
+		if (!tree.value().surface.empty())
+		{
+			const SurfaceFinding surface = checkSurface(tree.value());
+			report["surface_area_error"] = surface.areaError;
+			report["surface_open_area"] = surface.openArea;
+			if (!surface.holds()) problems.push_back("the surface is not closed, or has another area than the mesh");
+		}
 		if (!a.mesh.empty())
 		{
 			const Result<Mesh> surface = packedSurface(tree.value(), a.mesh, problems);

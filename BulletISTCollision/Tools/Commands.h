@@ -30,6 +30,7 @@ struct BuildArguments
 	std::string repair = "auto";
 	int threads = 0;
 	uint64_t seed = 1;
+	bool surface = false;
 	bool json = false, quiet = false;
 };
 
@@ -59,7 +60,7 @@ struct PackArguments
 
 struct QueryArguments
 {
-	std::string fileA, fileB, pose, poses, law = "pressure", pairsOut;
+	std::string fileA, fileB, pose, poses, law = "pressure", pairsOut, surfaceOut;
 	double stiffness = 1;
 	int level = -1;
 	int64_t maxPairs = -1;

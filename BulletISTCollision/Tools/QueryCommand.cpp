@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Base/ThreadCount.h"
+#include "BulletISTCollision/Core/Force/ContactPoints.h"
 #include "BulletISTCollision/Core/Force/PairLaws.h"
 #include "BulletISTCollision/Core/Query/ProximityQuery.h"
 #include "BulletISTCollision/Tools/NumberText.h"
@@ -52,7 +53,8 @@ struct Row
 	PoseRow input;
 	std::vector<double> times;  ///< [us]
 	Report report;
-	std::string pairs;  ///< lines for --pairs-out
+	std::string pairs;                 ///< lines for --pairs-out
+	std::vector<ContactPoint> points;  ///< for --surface, in A's mesh frame
 };
 
 class Batch
@@ -77,6 +79,8 @@ public:
 		if (arguments.blend && arguments.maxPairs < 0) m_unsupported = "unsupported: --blend needs --max-pairs";
 		if (arguments.blend && !arguments.pairsOut.empty())
 			m_unsupported = "unsupported: --blend mixes two levels, whose pairs make no one list for --pairs-out";
+		if (!arguments.surfaceOut.empty() && (arguments.law != "pressure" || !arguments.pairsOut.empty()))
+			m_unsupported = "unsupported: --surface goes with --law pressure, and not with --pairs-out, which asks the leaves";
 		if (arguments.gate && (m_paper || m_energyLaw)) m_unsupported = "unsupported: --gate goes with the laws pressure and volume";
 	}
 
@@ -177,6 +181,7 @@ private:
 			row.input.error = "unsupported: too many intersecting pairs (" + std::to_string(a.overlap.total.pairs) + ") for this law";
 		if (!row.input.error.empty()) return;
 		if (!m_arguments.pairsOut.empty()) row.pairs = pairLines(a.overlap, index);
+		if (!m_arguments.surfaceOut.empty()) row.points = contactSurface(a.overlap);
 		// This comes last, because the other queries overwrite the data that the answer points to.
 		row.report = describe(a, row.input.pose, index, workspace);
 	}
@@ -240,6 +245,14 @@ private:
 		return pressureEnergy(queryOverlap(m_A, m_B, X, workspace, options).total, m_pair);
 	}
 
+	std::vector<ContactPoint> contactSurface(const OverlapResult& overlap) const
+	{
+		std::vector<ContactPoint> points(contactPointCount(overlap));
+		contactPoints(overlap, m_pair, points.data(), points.size());
+		for (ContactPoint& p : points) p.position += m_A.origin;
+		return points;
+	}
+
 	std::string pairLines(const OverlapResult& overlap, size_t index) const
 	{
 		std::string text;
@@ -298,6 +311,26 @@ Result<std::vector<Row>> readRows(const QueryArguments& a)
 	return rows;
 }
 
+int writeSurface(const std::string& path, const std::vector<Row>& rows)
+{
+	size_t count = 0;
+	for (const Row& row : rows) count += row.points.size();
+	std::string text = "ply\nformat ascii 1.0\ncomment contact surface in A's mesh frame; lengths in m, pressures in Pa\nelement vertex " +
+		std::to_string(count) + "\n";
+	for (const char* name : {"x", "y", "z", "nx", "ny", "nz", "area", "pressure", "error"})
+		text += std::string("property double ") + name + "\n";
+	text += "property uchar of_a\nproperty uint row\nend_header\n";
+	for (size_t i = 0; i < rows.size(); ++i)
+		for (const ContactPoint& p : rows[i].points)
+		{
+			for (const double v :
+				{p.position.x, p.position.y, p.position.z, p.normal.x, p.normal.y, p.normal.z, p.area, p.pressure, p.error})
+				text += numberText(v) + ' ';
+			text += std::to_string(int(p.ofA)) + ' ' + std::to_string(i) + '\n';
+		}
+	return writeText(path, text);
+}
+
 int writePairs(const std::string& path, const std::vector<Row>& rows)
 {
 	std::string text = "row,sphere_a,sphere_b,x,y,z,nx,ny,nz,volume,area\n";
@@ -310,6 +343,8 @@ int runQuery(const QueryArguments& a)
 {
 	if (!a.pairsOut.empty())
 		if (const int code = checkOutput(a.pairsOut, {a.fileA, a.fileB, a.poses}); code != kGood) return code;
+	if (!a.surfaceOut.empty())
+		if (const int code = checkOutput(a.surfaceOut, {a.fileA, a.fileB, a.poses}); code != kGood) return code;
 	Result<InnerSphereTree> A = loadAsset(a.fileA);
 	if (!A) return fail(A.error().message);
 	Result<InnerSphereTree> B = a.fileA == a.fileB ? A : loadAsset(a.fileB);
@@ -327,6 +362,8 @@ int runQuery(const QueryArguments& a)
 	}
 	if (!a.pairsOut.empty())
 		if (const int written = writePairs(a.pairsOut, rows.value()); written != kGood) return written;
+	if (!a.surfaceOut.empty())
+		if (const int written = writeSurface(a.surfaceOut, rows.value()); written != kGood) return written;
 	return code;
 }
 }  // namespace ist::tools

@@ -58,6 +58,21 @@ double volumeChange(const InnerSphereTree& tree)
 																   : std::numeric_limits<double>::quiet_NaN();
 }
 
+namespace
+{
+void describeSurface(Report& report, const InnerSphereTree& tree)
+{
+	const BodySurface& body = tree.surface;
+	const double none = std::numeric_limits<double>::quiet_NaN();
+	report["surface_elements"] = body.surface.elements.size();
+	report["surface_cells"] = body.field.cells.size();
+	report["surface_error"] = body.empty() ? none : body.surface.error();
+	report["surface_max_error"] = body.empty() ? none : body.surface.largestError();
+	report["sagitta"] = tree.sagitta;
+	report["surface_bytes"] = body.bytes();
+}
+}  // namespace
+
 void describeTree(Report& report, const InnerSphereTree& tree, size_t bytes)
 {
 	const InnerSphereTree::Provenance& p = tree.provenance;
@@ -77,8 +92,10 @@ void describeTree(Report& report, const InnerSphereTree& tree, size_t bytes)
 	report["max_gap"] = tree.maxGap;
 	report["min_radius"] = tree.spheres.empty() ? none : static_cast<double>(tree.spheres.back().r);
 	report["uncovered_area"] = tree.uncoveredArea;
+	describeSurface(report, tree);
 	report["bytes"] = bytes;
 	report["bytes_per_sphere"] = static_cast<double>(bytes) / static_cast<double>(tree.spheres.size());
+	report["bytes_per_leaf"] = static_cast<double>(bytes) / static_cast<double>(tree.law.ballCount());
 }
 
 int fail(const std::string& message, int code)

@@ -77,6 +77,7 @@ private:
 			->check(CLI::IsMember({"auto", "off", "wrap"}))
 			->capture_default_str();
 		sub->add_option("--threads", a.threads, "threads (all)")->transform(integerArgument(1, 4096));
+		sub->add_flag("--surface", a.surface, "the surface, too: contact that is right below the gaps between spheres");
 		sub->add_option("--seed", a.seed, "seed")->transform(integerArgument<uint64_t>(0))->capture_default_str();
 		sub->add_flag("--json", a.json, "one JSON object");
 		sub->add_flag("--quiet", a.quiet, "no progress and no report, only a warning of a mesh that repair changed");
@@ -146,7 +147,8 @@ private:
 		sub->add_option("--threads", a.threads, "threads over rows")->transform(integerArgument(1, 4096))->capture_default_str();
 		sub->add_option("--repeat", a.repeat, "passes over all poses")->transform(integerArgument(1, 1000000))->capture_default_str();
 		sub->add_flag("--shuffle", a.shuffle, "run in another order");
-		sub->add_option("--pairs-out", a.pairsOut, "CSV of the intersecting pairs");
+		sub->add_option("--pairs-out", a.pairsOut, "CSV of the intersecting pairs of leaves");
+		sub->add_option("--surface", a.surfaceOut, "PLY of the contact surface: points, normals, areas and pressures");
 		sub->add_flag("--json", a.json, "one JSON object per pose");
 	}
 

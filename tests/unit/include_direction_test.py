@@ -31,6 +31,7 @@ CHAIN = [
     (CORE + "Tree", [CORE + "Base", CORE + "Geometry", CORE + "Mesh", CORE + "Leaves", CORE + "Surface"]),
     (CORE + "Asset", [CORE + "Base", CORE + "Surface", CORE + "Tree"]),
     (CORE + "Query/Kernels", [CORE + "Base", CORE + "Surface", CORE + "Tree"]),
+    (CORE + "Faces", [CORE + "Base", CORE + "Surface", CORE + "Query/Kernels"]),
     (CORE + "Query", [CORE + "Base", CORE + "Geometry", CORE + "Surface", CORE + "Tree", CORE + "Query/Kernels", CORE + "Faces"]),
     (CORE + "Force", [CORE + "Base", CORE + "Tree", CORE + "Faces", CORE + "Query"]),
     (CORE + "Accuracy", [CORE + "Tree", CORE + "Query", CORE + "Force"]),

@@ -14,6 +14,7 @@ namespace
 {
 constexpr double kOfBalls = 0.7, kOfFew = 0.25, kOfGaps = 0.2, kMostGaps = 3, kUnmeasured = 0.4;
 constexpr double kFloorOverlap = 0.001;
+constexpr double kSigmas = 2;  // of the error bar, which the error bound of surfaces is
 /// A coarser level is tried next only if its error bound is within this share of the tolerance. So two levels do not alternate.
 constexpr double kReserve = 0.8;
 /// A coarse level may see too little force. So the bound is also evaluated with the force plus kHope times the error bound. The level
@@ -34,7 +35,8 @@ double squaredPart(const InnerSphereTree& body, const BallTree& tree, int level,
 
 ContactSeen seenIn(const OverlapIntegrals& integrals, double weightA, double weightB)
 {
-	return {integrals.volume, norm(pressureWrench(integrals, {1, weightA, weightB}).force), norm(integrals.areaVector)};
+	return {integrals.volume, norm(pressureWrench(integrals, {1, weightA, weightB}).force), norm(integrals.areaVector),
+		integrals.forceVariance};
 }
 
 double forceFloor(double volumeA, double volumeB) { return kFloorOverlap * std::min(volumeA, volumeB); }
@@ -45,6 +47,8 @@ double forceErrorBound(const InnerSphereTree& A, const InnerSphereTree& B, int l
 {
 	const LevelPair trees = levelOf(A, B, level);
 	const double V = std::max(seen.volume, forceFloor(A, B));
+	if (level == 0 && !A.surface.empty() && !B.surface.empty())
+		return kSigmas * std::hypot(kFaceForceError * std::sqrt(seen.forceVariance), kSurfaceForceError * V);
 	const double ofBalls = squaredPart(A, *trees.treeA, trees.a, V) + squaredPart(B, *trees.treeB, trees.b, V);
 	const double gaps = std::min((A.errorLength() + B.errorLength()) * seen.area / V, kMostGaps);
 	return V * std::hypot(std::sqrt(ofBalls), kOfGaps * gaps);

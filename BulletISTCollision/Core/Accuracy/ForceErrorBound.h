@@ -8,9 +8,10 @@ namespace ist
 /// Contact as the answer of any level shows it, for a stiffness of 1 Pa/m.
 struct ContactSeen
 {
-	double volume = 0;  ///< [m^3]
-	double force = 0;   ///< length of the force on A [m^3]
-	double area = 0;    ///< length of the area vector [m^2]
+	double volume = 0;         ///< [m^3]
+	double force = 0;          ///< length of the force on A [m^3]
+	double area = 0;           ///< length of the area vector [m^2]
+	double forceVariance = 0;  ///< that of the integrals [m^6]
 };
 ContactSeen seenIn(const OverlapIntegrals& integrals, double weightA = 0.5, double weightB = 0.5);
 
@@ -26,6 +27,7 @@ double forceFloor(const InnerSphereTree& A, const InnerSphereTree& B);
 /// when few balls share the contact, the third when the contact is shallow relative to the gaps. V counts as at least `forceFloor`.
 /// The factors were fitted against quadrature on nine pairs of round and thin bodies of 1,000 to 10,000 spheres; the tolerance held in
 /// each of them. bench_pareto prints how well they hold on other bodies. Bodies without a calibration get the largest c.
+/// Where surfaces answer (level 0 of two bodies that have one), the error bound is twice the standard error (overlapError).
 double forceErrorBound(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen);
 
 /// The coarsest level of the pair whose error bound is within `error` (0 to 1) of the force or of the floor. If no

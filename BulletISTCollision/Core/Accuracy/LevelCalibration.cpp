@@ -29,6 +29,7 @@ constexpr double kSteps = 1000;
 Vec3 forceAt(const InnerSphereTree& tree, const Pose& X, int level, QueryWorkspace& workspace, double& volume)
 {
 	QueryOptions options;
+	options.model = Model::Leaf;
 	options.level = level;
 	options.stiffness = options.patches = false;
 	const OverlapResult result = queryOverlap(tree, tree, X, workspace, options);

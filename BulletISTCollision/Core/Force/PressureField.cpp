@@ -124,8 +124,12 @@ OverlapError overlapError(const OverlapIntegrals& integrals, double lengthSum, d
 	const double across = std::cbrt(leafDensity * V) + kLeastAcross;
 	const double relativeGap = lengthSum * norm(integrals.areaVector) / V;
 	const double r = kGapError * relativeGap * relativeGap;
-	return {V * std::hypot(kVolumeError / std::pow(across, kVolumePower), r),
-		stiffness * V * std::hypot(kForceError / std::pow(across, kForcePower), r)};
+	const double ofSurfaces = std::min(integrals.surfaceVolume, V), ofLeaves = V - ofSurfaces;
+	const double volumeOfLeaves = ofLeaves * std::hypot(kVolumeError / std::pow(across, kVolumePower), r);
+	const double forceOfLeaves = ofLeaves * std::hypot(kForceError / std::pow(across, kForcePower), r);
+	const double ofFaces = std::sqrt(integrals.forceVariance), ofCuts = std::sqrt(integrals.volumeVariance);
+	return {std::hypot(volumeOfLeaves, std::hypot(kFaceVolumeError * ofFaces, ofCuts, kSurfaceVolumeError * ofSurfaces)),
+		stiffness * std::hypot(forceOfLeaves, kFaceForceError * ofFaces, kSurfaceForceError * ofSurfaces)};
 }
 
 OverlapError overlapError(const OverlapResult& answer, const InnerSphereTree& A, const InnerSphereTree& B, double stiffness)

@@ -111,7 +111,7 @@ bool PatchGrouper::seedPatch(const QueryKernel& kernel, const PairStream& pairs,
 	for (uint32_t c = 0; c < m_componentCount; ++c)
 	{
 		const Component& component = m_components[c];
-		if (component.hasPatch && component.left <= kLeastShare * component.rank) continue;
+		if (component.hasPatch && !(component.left > kLeastShare * component.rank)) continue;
 		if (best == kNoComponent || component.left > m_components[best].left) best = c;
 	}
 	if (best == kNoComponent) return false;

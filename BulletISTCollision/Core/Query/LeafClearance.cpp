@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Tree/TreePose.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <new>
 #include <type_traits>
@@ -14,6 +15,8 @@ namespace
 {
 // kStretch: poses are rigid only within 1e-4. kRounding: queries compare positions as floats.
 constexpr double kStretch = 1e-3, kRounding = 1e-5;
+
+constexpr int kOpenedOfBinary = 4;  // binary nodes are opened for one of eight children, at about the same cost
 
 struct Ball
 {
@@ -33,7 +36,7 @@ template <class Item, class Expand> double leastBound(const Item& root, int most
 	std::aligned_storage_t<sizeof(Item), alignof(Item)> room[kCapacity];
 	Item* heap = reinterpret_cast<Item*>(room);
 	const auto later = [](const Item& p, const Item& q) { return p.bound > q.bound; };
-	int size = 0, left = std::min(mostOpened, kMostOpenedForClearance);
+	int size = 0, left = std::min(mostOpened, kCapacity - 1);
 	new (&heap[size++]) Item(root);
 	while (size > 0)
 	{
@@ -68,9 +71,96 @@ struct BallInField
 	bool isFinal() const { return a.isBlock(); }
 };
 
-double gap(const Ball& a, const Ball& b)
+/// Clearance of two balls, less what rounding may take from it.
+template <class Any> double gap(const Any& a, const Any& b)
 {
 	return distance(a.center, b.center) - a.r - b.r - kRounding * (norm(a.center) + norm(b.center) + a.r + b.r);
+}
+
+/// A ball of a surface: a node of its tree.
+struct SurfaceBall
+{
+	uint32_t child;
+	Vec3 center;
+	double r;
+	bool isElement() const { return (child & SurfaceNode::kElement) != 0; }
+};
+
+SurfaceBall ballOf(const SurfaceNode& node) { return {node.child, {node.center[0], node.center[1], node.center[2]}, node.radius}; }
+
+struct SurfaceBallPair
+{
+	SurfaceBall a, b;
+	double bound;
+	bool isFinal() const { return a.isElement() && b.isElement(); }
+};
+
+/// A flat element, in A's tree frame: a parallelogram or a triangle.
+struct FlatPiece
+{
+	Vec3 center, e1, e2, normal;
+	bool isTriangle;
+
+	/// Largest projection on the direction.
+	double reach(const Vec3& u) const
+	{
+		const double a = dot(e1, u), b = dot(e2, u);
+		return dot(center, u) + (isTriangle ? std::max({0.0, a, b}) : std::fabs(a) + std::fabs(b));
+	}
+};
+
+Vec3 toVec3(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
+
+bool isFlat(const SurfaceElement& e) { return e.k11 == 0 && e.k12 == 0 && e.k22 == 0 && e.error == 0; }
+
+FlatPiece pieceOf(const SurfaceElement& e, const Pose& X)
+{
+	const Mat3& R = X.rotation;
+	return {X * toVec3(e.center), R * toVec3(e.e1), R * toVec3(e.e2), R * toVec3(e.normal), e.isTriangle != 0};
+}
+
+/// Lower bound of the distance of two flat elements: the largest of their gaps along some directions.
+double gapOfPieces(const FlatPiece& a, const FlatPiece& b)
+{
+	double largest = -kUnbounded;
+	for (const Vec3& along : {a.normal, -1.0 * b.normal, a.normal - b.normal, b.center - a.center})
+		if (const double length = norm(along); length > 0)
+		{
+			const Vec3 u = along / length;
+			largest = std::max(largest, -b.reach(-1.0 * u) - a.reach(u));
+		}
+	return largest - kRounding * (norm(a.center) + norm(b.center) + norm(a.e1) + norm(a.e2) + norm(b.e1) + norm(b.e2));
+}
+
+double surfaceClearance(const ContactSurface& A, const ContactSurface& B, const Pose& X, int mostOpened)
+{
+	const auto placed = [&](const SurfaceNode& node) {
+		const SurfaceBall ball = ballOf(node);
+		return SurfaceBall{ball.child, X * ball.center, ball.r * (1 + kStretch)};
+	};
+	const auto elementOf = [](const ContactSurface& surface, const SurfaceBall& ball) -> const SurfaceElement& {
+		return surface.elements[ball.child & ~SurfaceNode::kElement];
+	};
+	// Large flat elements fill little of their balls.
+	const auto gapOf = [&](const SurfaceBallPair& pair) {
+		const double balls = gap(pair.a, pair.b);
+		if (balls > 0 || !pair.isFinal()) return balls;
+		const SurfaceElement &a = elementOf(A, pair.a), &b = elementOf(B, pair.b);
+		return isFlat(a) && isFlat(b) ? std::max(balls, gapOfPieces(pieceOf(a, {}), pieceOf(b, X))) : balls;
+	};
+	const auto expand = [&](const SurfaceBallPair& pair, const auto& keep) {
+		const bool first = pair.b.isElement() || (!pair.a.isElement() && pair.a.r >= pair.b.r);
+		for (uint32_t k = 0; k < 2; ++k)
+		{
+			SurfaceBallPair next = pair;
+			if (first) next.a = ballOf(A.nodes[pair.a.child + k]);
+			else next.b = placed(B.nodes[pair.b.child + k]);
+			next.bound = gapOf(next);
+			keep(next);
+		}
+	};
+	const SurfaceBallPair roots{ballOf(A.nodes[0]), placed(B.nodes[0]), -kUnbounded};
+	return leastBound(roots, kOpenedOfBinary * std::min(mostOpened, kMostOpenedForClearance), expand);
 }
 }  // namespace
 
@@ -78,6 +168,7 @@ double leafClearance(const InnerSphereTree& A, const InnerSphereTree& B, const P
 {
 	if (!isRigid(X_AB) || A.law.empty() || B.law.empty()) return 0;
 	const Pose X = treePose(A, B, X_AB);
+	if (!A.surface.empty() && !B.surface.empty()) return surfaceClearance(A.surface.surface, B.surface.surface, X, mostOpened);
 	const auto expand = [&](const BallPair& pair, const auto& keep) {
 		const bool first = pair.b.isBlock() || (!pair.a.isBlock() && pair.a.r >= pair.b.r);
 		forEachChild(first ? A.law.nodes[pair.a.id] : B.law.nodes[pair.b.id], [&](const Ball& child) {
@@ -90,7 +181,7 @@ double leafClearance(const InnerSphereTree& A, const InnerSphereTree& B, const P
 		});
 	};
 	const Ball root{0, {}, kUnbounded};
-	return leastBound(BallPair{root, root, -kUnbounded}, mostOpened, expand);
+	return leastBound(BallPair{root, root, -kUnbounded}, std::min(mostOpened, kMostOpenedForClearance), expand);
 }
 
 double leafClearance(const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, int mostOpened)
@@ -103,6 +194,6 @@ double leafClearance(const InnerSphereTree& A, const AnalyticField& field, const
 			keep(BallInField{child, -field.depth(X_FA * child.center) - child.r * (1 + kStretch) - rounding});
 		});
 	};
-	return leastBound(BallInField{{0, {}, kUnbounded}, -kUnbounded}, mostOpened, expand);
+	return leastBound(BallInField{{0, {}, kUnbounded}, -kUnbounded}, std::min(mostOpened, kMostOpenedForClearance), expand);
 }
 }  // namespace ist

@@ -17,6 +17,38 @@ constexpr double kUsualStep = 2.2, kLeastStep = 1.25;
 /// 1 / kFadeBegin times as many pairs as the next coarser one.
 constexpr double kFadeBegin = 0.8;
 
+enum class SurfaceAnswer
+{
+	Good,
+	OverLimit,  ///< more faces than the limit of pairs
+	Incomplete  ///< more faces than the workspace holds
+};
+
+/// Answers with the surfaces of two bodies.
+SurfaceAnswer querySurfaces(const BodySurface& A, const BodySurface& B, const Pose& X, QueryWorkspace::Implementation& work,
+	const QueryOptions& options, const QueryLimits& limits, OverlapResult& result)
+{
+	const int most = options.patches ? limits.patches : 1;
+	const SurfaceOverlap found = surfaceOverlap(A, B, X, *work.surfaces, options.damping, most);
+	result.nodeVisits = found.counts.nodes;
+	result.ballTests = found.counts.planes;
+	if (limits.pairs >= 0 && found.total.pairs + int64_t(found.dropped) > limits.pairs) return SurfaceAnswer::OverLimit;
+	if (found.dropped > 0) return SurfaceAnswer::Incomplete;
+	result.total = found.total;
+	result.patchCount = found.patchCount;
+	result.patches = work.patches.data();
+	result.facesA = found.ofA;
+	result.facesB = found.ofB;
+	result.faceCountA = found.countA;
+	result.faceCountB = found.countB;
+	std::copy_n(found.patches, size_t(found.patchCount), work.patches.begin());
+	const auto clear = [](OverlapIntegrals& sums) { sums.stiffnessA = sums.stiffnessB = {}; };
+	if (options.stiffness) return SurfaceAnswer::Good;
+	clear(result.total);
+	for (int p = 0; p < result.patchCount; ++p) clear(work.patches[size_t(p)]);
+	return SurfaceAnswer::Good;
+}
+
 int patchCapacity(const QueryWorkspace::Implementation& work, const QueryOptions& options)
 {
 	return options.patches ? work.capacity.patches : 1;
@@ -98,11 +130,7 @@ private:
 
 bool BudgetedQuery::queryLevel(int level, OverlapResult& result)
 {
-	const LevelPair trees = levelOf(m_A, m_B, level);
-	m_work.reserveFor(*trees.treeA, *trees.treeB);
-	result = {};
-	result.level = level;
-	const bool fits = TreeQuery(*trees.treeA, *trees.treeB, m_X, m_work, m_options, {m_pairs, m_patches}, result).run();
+	const bool fits = ist::queryLevel(m_A, m_B, m_X, m_work, m_options, level, {m_pairs, m_patches}, result);
 	m_nodeVisits += result.nodeVisits;
 	m_blockPairs += result.blockPairs;
 	m_ballTests += result.ballTests;
@@ -113,6 +141,15 @@ OverlapResult BudgetedQuery::run()
 {
 	const int coarsest = std::max(m_finest, levelCount(m_A, m_B));
 	OverlapResult best, next;
+	// Surfaces often have fewer faces than any level has pairs, so they are asked first.
+	const bool asksSurfaces = answerSurfaces(m_A, m_B, m_options, m_finest);
+	double ofSurfaces = 0;
+	if (asksSurfaces && queryLevel(m_finest, best))
+	{
+		ofSurfaces = m_options.blend && coarsest > 0 ? (1 - double(best.total.pairs) / double(m_pairs)) / (1 - kFadeBegin) : 1;
+		if (ofSurfaces >= 1) return best;
+	}
+	if (asksSurfaces && coarsest > 0) m_finest = 1;
 	if (!queryLevel(coarsest, best))
 	{
 		best.status = QueryStatus::BudgetTooSmall;
@@ -134,7 +171,15 @@ OverlapResult BudgetedQuery::run()
 	}
 	if (m_options.blend) fadeOut(best, coarsest);
 	if (best.patches != m_work.patches.data()) save();
-	best.coarsened = best.level > m_finest || best.levelShare < 1;
+	best.coarsened = asksSurfaces || best.level > m_finest || best.levelShare < 1;
+	if (ofSurfaces > 0)
+	{
+		save();
+		if (!queryLevel(0, next)) return best;
+		fade(next, best, smoothStep(ofSurfaces), m_work.patches.data(), patchCapacity(m_work, m_options));
+		next.coarsened = true;
+		best = next;
+	}
 	best.nodeVisits = m_nodeVisits;
 	best.blockPairs = m_blockPairs;
 	best.ballTests = m_ballTests;
@@ -156,6 +201,31 @@ void BudgetedQuery::fadeOut(OverlapResult& best, int coarsest)
 	}
 }
 }  // namespace
+
+bool answerSurfaces(const InnerSphereTree& A, const InnerSphereTree& B, const QueryOptions& options, int level)
+{
+	if (options.model != Model::Law || level > 0 || options.sortPairs || options.listMeetingBounds) return false;
+	return !A.surface.empty() && !B.surface.empty();
+}
+
+bool queryLevel(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
+	const QueryOptions& options, int level, const QueryLimits& limits, OverlapResult& result, VerletList::Implementation* list)
+{
+	result = {};
+	result.level = level;
+	if (answerSurfaces(A, B, options, level))
+	{
+		result.ballsA = &A.law;
+		result.ballsB = &B.law;
+		const SurfaceAnswer answer = querySurfaces(A.surface, B.surface, X, work, options, limits, result);
+		if (answer != SurfaceAnswer::Incomplete) return answer == SurfaceAnswer::Good;
+		// The sums of leaves are right however many pairs there are.
+	}
+	const LevelPair trees = isOfLeaves(options.model) ? levelOf(A, B, level)
+													  : LevelPair{&treeOf(A, options.model), &treeOf(B, options.model), 0, 0};
+	work.reserveFor(*trees.treeA, *trees.treeB);
+	return TreeQuery(*trees.treeA, *trees.treeB, X, work, options, limits, result, list).run();
+}
 
 OverlapResult queryWithin(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
 	const QueryOptions& options, int finest, int64_t capacity)
@@ -179,10 +249,7 @@ LevelAnswers queryBothLevels(const InnerSphereTree& A, const InnerSphereTree& B,
 	work.reserveFor(A.law, B.law);
 	const auto query = [&](int of) {
 		OverlapResult result;
-		const LevelPair trees = levelOf(A, B, of);
-		work.reserveFor(*trees.treeA, *trees.treeB);
-		TreeQuery(*trees.treeA, *trees.treeB, X, work, options, {-1, most}, result).run();
-		result.level = of;
+		queryLevel(A, B, X, work, options, of, {-1, most}, result);
 		return result;
 	};
 	// The known answer may have been grouped with a larger limit. If it has at most `most` patches, that limit would give the same ones.

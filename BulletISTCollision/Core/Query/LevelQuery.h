@@ -6,6 +6,14 @@
 
 namespace ist
 {
+/// Whether the surfaces of the two bodies answer at this level, and not their trees.
+bool answerSurfaces(const InnerSphereTree& A, const InnerSphereTree& B, const QueryOptions& options, int level);
+
+/// Answers at one level of a pair. X: pose of B's tree frame in A's. Returns false when it meets the limit of pairs; `result` then holds
+/// only the counts of the work done. `list` may be null.
+bool queryLevel(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,
+	const QueryOptions& options, int level, const QueryLimits& limits, OverlapResult& result, VerletList::Implementation* list = nullptr);
+
 /// Answers with the finest level it finds, from `finest` on, that stays within the options' budget and `capacity` pairs. X: pose of B's
 /// tree frame in A's. It starts at a coarse level, where a traversal costs little, and leaps to the level that is expected to fill
 /// the budget. Each traversal stops at the budget.

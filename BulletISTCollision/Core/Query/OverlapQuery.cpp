@@ -41,6 +41,9 @@ void OverlapIntegrals::add(const OverlapIntegrals& o)
 	if (o.dampingWeights != DampingWeights()) dampingWeights = o.dampingWeights;
 	depthA += o.depthA;
 	depthB += o.depthB;
+	surfaceVolume += o.surfaceVolume;
+	forceVariance += o.forceVariance;
+	volumeVariance += o.volumeVariance;
 	pairs += o.pairs;
 }
 
@@ -55,6 +58,9 @@ void OverlapIntegrals::scale(double factor)
 		for (double& k : K->m) k *= factor;
 	depthA *= factor;
 	depthB *= factor;
+	surfaceVolume *= factor;
+	forceVariance *= factor * factor;
+	volumeVariance *= factor * factor;
 }
 
 namespace
@@ -64,7 +70,7 @@ bool isSupported(const InnerSphereTree& A, const InnerSphereTree& B, const Query
 {
 	if (options.level < -1) return false;
 	const bool limited = options.maxPairs >= 0, fades = options.otherShare != 0;
-	if (options.model != Model::Law) return options.level <= 0 && !limited && !fades;
+	if (!isOfLeaves(options.model)) return options.level <= 0 && !limited && !fades;
 	if (options.level > levelCount(A, B)) return false;
 	if (limited && (options.listMeetingBounds || (options.blend && options.sortPairs))) return false;
 	if (!fades) return true;
@@ -85,17 +91,12 @@ OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, con
 	if (!answers(treeA, options.model) || !answers(treeB, options.model)) return result.status = QueryStatus::EmptyTree, result;
 
 	const Pose X = treePose(A, B, X_AB);
-	const bool law = options.model == Model::Law;
+	const bool law = isOfLeaves(options.model);
 	const int finest = std::max(0, options.level);
 	const int64_t capacity = work.capacity.pairs;
 	if (options.maxPairs >= 0) return queryWithin(A, B, X, work, options, finest, capacity);
 	if (options.otherShare != 0) return queryTwoLevels(A, B, X, work, options, finest);
-	const LevelPair trees = law ? levelOf(A, B, finest) : LevelPair{&treeA, &treeB, 0, 0};
-	work.reserveFor(*trees.treeA, *trees.treeB);
-	TreeQuery(
-		*trees.treeA, *trees.treeB, X, work, options, {-1, work.capacity.patches}, result, memory ? &memory->implementation() : nullptr)
-		.run();
-	result.level = finest;
+	queryLevel(A, B, X, work, options, finest, {-1, work.capacity.patches}, result, memory ? &memory->implementation() : nullptr);
 	if (!result.pairListComplete && !options.sortPairs && law && finest < levelCount(A, B))
 	{
 		OverlapResult coarser = queryWithin(A, B, X, work, options, finest + 1, capacity);
@@ -109,6 +110,13 @@ OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, con
 OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
 	const QueryOptions& options, VerletList* memory)
 {
+	// Surfaces do not reach beyond the bodies.
+	QueryOptions sharp = options;
+	if (wantsInnerOverlap(options) && options.maxPairs < 0 && answerSurfaces(A, B, options, std::max(0, options.level)))
+	{
+		sharp.requireInnerOverlap = sharp.gate = false;
+		return queryTrees(A, B, X_AB, workspace, sharp, memory);
+	}
 	// Memory is reserved at once, so that bodies whose packed spheres meet later do not allocate then.
 	if (wantsInnerOverlap(options)) workspace.implementation().reserveFor(treeOf(A, options.model), treeOf(B, options.model));
 	// The extra query of the packed spheres gets no Verlet list, because it would replace the remembered pairs.

@@ -10,6 +10,8 @@
 
 namespace ist
 {
+struct ContactFace;
+
 /// Symmetric 6x6 matrix, linear part first, row-major upper triangle (21 entries).
 struct SymmetricMatrix6
 {
@@ -36,6 +38,8 @@ inline bool operator!=(const DampingWeights& a, const DampingWeights& b) { retur
 /// - q: mean depth of the ball under the surface of its body [m].
 /// - m: mean outward normal at C. A leaf has one normal, m(c); the normal of a merged ball changes over it (NormalGradient).
 /// - area n: the negative gradient of L by c_i - c_j; n has unit length.
+/// Where surfaces answer (QueryOptions), the integrals are those of the bodies, by Gauss's theorem over the faces (docs/model.md, section
+/// 3).
 struct OverlapIntegrals
 {
 	double volume = 0;            ///< sum dd L [m^3]
@@ -47,21 +51,26 @@ struct OverlapIntegrals
 	SymmetricMatrix6 stiffnessA, stiffnessB;  ///< sum dd area sym(g_n g_w^T) with w = -m_i (A's field), w = m_j (B's field); not projected
 	/// sum dd L G G^T with w = w_B m_j - w_A m_i, the direction in which the pair presses, and G = (w, C x w). For a twist of A it
 	/// gives the squared closing speed of the pair, weighted with its pressure [m^3, m^4, m^5]. It is zero where `dampingWeights`
-	/// are zero.
+	/// are zero. With surfaces, w is the normal of either body, with its weight.
 	SymmetricMatrix6 damping;
 	DampingWeights dampingWeights;
 	double depthA = 0, depthB = 0;  ///< sum dd L (q_i - m_i(c_i).(C - c_i)), and the sum with j for i: Int depth dV [m^4]
-	int64_t pairs = 0;              ///< number of intersecting pairs
+	double surfaceVolume = 0;       ///< part of `volume` that comes from surfaces [m^3]; leaves gave the rest
+	/// Squared errors of the surfaces' part, for the error bar [m^6]: of the force for 1 Pa/m, the sum over faces of (area times error of
+	/// the surface)^2; and of the volume, which adds those of the cuts where the surfaces cross.
+	double forceVariance = 0, volumeVariance = 0;
+	int64_t pairs = 0;  ///< number of intersecting pairs of balls, or of faces
 
 	void add(const OverlapIntegrals& other);
 	/// Multiplies everything by `factor`, except the number of pairs.
 	void scale(double factor);
 };
 
-/// The balls that represent a body in a query.
+/// What represents a body in a query.
 enum class Model
 {
-	Law,   ///< leaves (default)
+	Law,   ///< surfaces, where both bodies have one and the query is for the finest level; otherwise leaves (default)
+	Leaf,  ///< leaves
 	Cell,  ///< unsplit cells: the most accurate volume
 	Inner  ///< packed spheres: a lower bound of the volume; their normals and depths count as zero
 };
@@ -99,13 +108,15 @@ struct QueryOptions
 	bool stiffness = true;   ///< fills stiffnessA and stiffnessB
 	DampingWeights damping;  ///< weights with which `OverlapIntegrals::damping` is filled; not with Model::Inner
 	bool patches = true;     ///< groups the pairs into patches; otherwise there is one patch
-	bool sortPairs = false;  ///< lists the pairs in a reproducible order, for callers that read them (`OverlapResult::pairs`)
-	/// Also lists pairs whose bounding balls meet although they share no volume (lens 0). Gives one patch; not within a budget.
+	/// Lists the pairs of balls in a reproducible order, for callers that read them (`OverlapResult::pairs`). The leaves answer, even where
+	/// both bodies have a surface; for that, see `OverlapResult::facesA`.
+	bool sortPairs = false;
+	/// Also lists pairs of leaves whose bounding balls meet although they share no volume (lens 0). Gives one patch; not within a budget.
 	bool listMeetingBounds = false;
 	/// Suppresses the answer while the packed spheres of the two bodies are apart. Leaves reach beyond the surface by up to a gap, so
 	/// bodies that only touch already press a little. This option removes that force, but also contact shallower than the gaps. It
-	/// scales the integrals and leaves the listed pairs as they are. The error bar does not include what it removes. Cost: one query of
-	/// the packed spheres (InnerOverlap.h).
+	/// scales the integrals and leaves the listed pairs as they are. Where surfaces answer it does nothing, as they do not reach beyond.
+	/// The error bar does not include what it removes. Cost: one query of the packed spheres (InnerOverlap.h).
 	bool requireInnerOverlap = false;
 	bool gate = false;  ///< former name of `requireInnerOverlap`, until 0.4; setting either one is enough
 };
@@ -185,6 +196,10 @@ struct OverlapResult
 	bool pairListComplete = true;        ///< false: there were more pairs than the capacity, so there is one patch and the list is cut
 	const OverlapPair* pairs = nullptr;  ///< list in the workspace; filled only with `QueryOptions::sortPairs`
 	int pairCount = 0;
+	/// Faces of A inside B, and of B inside A, where surfaces answered (ContactFaces.h): in the workspace, valid until its next use, in A's
+	/// axes and relative to A's origin. ContactPoints.h makes forces of them.
+	const ContactFace *facesA = nullptr, *facesB = nullptr;
+	size_t faceCountA = 0, faceCountB = 0;
 	const BallTree *ballsA = nullptr, *ballsB = nullptr;  ///< trees to which the indices of the pairs refer
 	int level = 0;                                        ///< level that answered; the error bar (PressureField.h) grows with it
 	double levelShare = 1;  ///< share of `level` in the answer; `otherLevel` has the rest (`QueryOptions::blend`, `otherShare`)
@@ -196,7 +211,7 @@ struct OverlapResult
 class VerletList;
 
 /// Overlap of two bodies. X_AB: pose of B's mesh frame in A's mesh frame. `memory`: Verlet list of these two bodies (VerletList.h), or
-/// null for none. Cost: O(pairs), no allocation.
+/// null for none; used for leaves only. Cost: O(pairs) or O(faces), no allocation.
 OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
 	const QueryOptions& options = {}, VerletList* memory = nullptr);
 

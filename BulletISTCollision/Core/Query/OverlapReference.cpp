@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Geometry/Lens.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Query/QueryWorkspaceState.h"
 
 #include <algorithm>
 
@@ -91,8 +92,8 @@ OverlapResult queryOverlapBruteForce(
 		result.status = QueryStatus::InvalidPose;
 		return result;
 	}
-	const BallTree& treeA = model == Model::Law ? A.law : model == Model::Cell ? A.cells : A.inner;
-	const BallTree& treeB = model == Model::Law ? B.law : model == Model::Cell ? B.cells : B.inner;
+	const BallTree& treeA = treeOf(A, model);
+	const BallTree& treeB = treeOf(B, model);
 	if (treeA.empty() || treeB.empty())
 	{
 		result.status = QueryStatus::EmptyTree;

@@ -10,6 +10,9 @@ using namespace kernels;
 
 namespace
 {
+/// Capacity of each of the two lists of faces.
+constexpr int kFewestFaces = 4096, kMostFaces = 32768;
+
 const QueryKernel* kernelFor(InstructionSet set)
 {
 	if (!isAvailable(set)) return nullptr;
@@ -65,6 +68,8 @@ QueryWorkspace::Implementation::Implementation(const QueryCapacity& wanted, cons
 	terms.reserve(size_t(capacity.pairs));  // costs no memory for pages that no query fills
 	patches.resize(size_t(capacity.patches));
 	savedPatches.resize(patches.size());
+	surfaces = std::make_unique<SurfaceWorkspace>(
+		size_t(std::clamp(capacity.pairs / 6, kFewestFaces, kMostFaces)), capacity.patches, kernel);
 	grouper.reserve(size_t(capacity.pairs), 0, capacity.patches);
 }
 
@@ -145,6 +150,7 @@ void QueryWorkspace::Implementation::makeResident()
 	indices.touch();
 	numbers.touch();
 	grouper.makeResident();
+	surfaces->makeResident();
 }
 
 void QueryWorkspace::makeResident() { m_impl->makeResident(); }

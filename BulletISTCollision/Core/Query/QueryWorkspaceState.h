@@ -6,15 +6,18 @@
 #include "BulletISTCollision/Core/Query/ContactPatches.h"
 #include "BulletISTCollision/Core/Query/Kernels/QueryKernel.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Query/SurfaceOverlap.h"
 
 #include <vector>
 
 namespace ist
 {
-/// The tree that represents a body in a model.
+inline bool isOfLeaves(Model model) { return model == Model::Law || model == Model::Leaf; }
+
+/// The tree of balls that represents a body in a model.
 inline const BallTree& treeOf(const InnerSphereTree& body, Model model)
 {
-	return model == Model::Law ? body.law : model == Model::Cell ? body.cells : body.inner;
+	return isOfLeaves(model) ? body.law : model == Model::Cell ? body.cells : body.inner;
 }
 
 /// Whether the tree can answer for the model. Returns false for an empty tree, and for a tree of balls where ellipsoids are needed or
@@ -62,6 +65,7 @@ struct QueryWorkspace::Implementation : TreeArrays
 	std::vector<FieldTerm> terms;  ///< terms against an analytic field, in the order of `stream`; never more than its capacity
 	PatchGrouper grouper;
 	std::vector<OverlapIntegrals> patches, savedPatches;
+	std::unique_ptr<SurfaceWorkspace> surfaces;
 
 	Implementation(const QueryCapacity& wanted, const kernels::QueryKernel* chosen);
 	/// Grows the arrays that depend on the size of the trees. Only the first query with a larger tree allocates.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/base/ContactView.h"
 
+#include "BulletISTCollision/Core/Force/ContactPoints.h"
+
 #include "BulletISTCollision/Registry/btISTConversion.h"
 #include "BulletISTCollision/Registry/btISTShapeField.h"
 
@@ -132,6 +134,25 @@ void ContactView::drawBodies(DemoWorld& world, const DrawChoice& choice, DrawLis
 	}
 }
 
+/// Draws the points of the contact surface as discs. Returns false where leaves answered.
+bool ContactView::drawContactSurface(const btISTContact& contact, const OverlapResult& answer, DrawList& list)
+{
+	m_points.resize(contactPointCount(answer));
+	contactPoints(answer, {contact.constants.k, contact.constants.weightA, contact.constants.weightB}, m_points.data(), m_points.size());
+	double most = 0;
+	for (const ContactPoint& p : m_points) most = std::max(most, p.pressure);
+	const size_t stride = std::max<size_t>(1, m_points.size() / kMostLenses);
+	for (size_t i = 0; i < m_points.size(); i += stride)
+	{
+		const ContactPoint& p = m_points[i];
+		if (!(p.pressure > 0)) continue;
+		const double radius = 0.8 * std::sqrt(double(stride) * p.area / kPi);
+		list.discs.push_back({contact.X_WA * (contact.treeA->origin + p.position), contact.X_WA.rotation * p.normal, radius, 0.1 * radius,
+			pressureColour(p.pressure / most)});
+	}
+	return !m_points.empty();
+}
+
 void ContactView::drawLenses(const btISTContact& contact, DrawList& list)
 {
 	if (!contact.treeB)
@@ -141,9 +162,10 @@ void ContactView::drawLenses(const btISTContact& contact, DrawList& list)
 		return;
 	}
 	QueryOptions options;
-	options.sortPairs = true;
 	options.stiffness = options.patches = false;
 	const Pose X_AB = inverse(contact.X_WA) * toPose(contact.bodyB->getWorldTransform());
+	if (drawContactSurface(contact, queryOverlap(*contact.treeA, *contact.treeB, X_AB, m_workspace, options), list)) return;
+	options.sortPairs = true;
 	const OverlapResult result = queryOverlap(*contact.treeA, *contact.treeB, X_AB, m_workspace, options);
 	if (result.status != QueryStatus::Ok || result.pairCount == 0) return;
 	double thickest = 0;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Force/ContactPoints.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 #include "demos/browser/base/DemoWorld.h"
 
@@ -22,6 +22,7 @@ public:
 
 private:
 	void drawBodies(DemoWorld& world, const DrawChoice& choice, DrawList& list) const;
+	bool drawContactSurface(const btISTContact& contact, const ist::OverlapResult& answer, DrawList& list);
 	void drawLenses(const btISTContact& contact, DrawList& list);
 	void drawLevels(const btISTContact& contact, const ist::LevelPair& trees, DrawList& list);
 	void addKeys(const DrawChoice& choice, DrawList& list) const;
@@ -33,6 +34,7 @@ private:
 	void drawMoment(const ist::Vec3& at, const ist::Vec3& moment, double lever, DrawList& list) const;
 
 	ist::QueryWorkspace m_workspace;
+	std::vector<ist::ContactPoint> m_points;
 	std::set<std::pair<const void*, const void*>> m_drawnLevels;  // bodies and the trees that answer for them
 	std::map<int, size_t> m_ballsOfLevel;
 	std::set<int> m_answering;

@@ -98,6 +98,8 @@ class Build(Shared):
             self.assertEqual(self.box.save(path), os.path.getsize(path))
             info = json.loads(subprocess.run([IST, "info", path, "--json"], check=True, capture_output=True, text=True).stdout)
             self.assertEqual(self.box.leaves, info["leaves"])
+            self.assertEqual(self.box.elements, info["surface_elements"])
+            self.assertEqual(self.box.sagitta, info["sagitta"])
             self.assertEqual(repr(self.box), f"<bullethaptics.Tree of {info['spheres']} spheres, {info['leaves']} leaves>")
             loaded = bh.load(path)
             np.testing.assert_array_equal(loaded.spheres, self.box.spheres)
@@ -154,6 +156,18 @@ class Query(Shared):
         np.testing.assert_allclose(r["force"], [-1e6 * facing, 0, 0], atol=.02 * 1e6 * facing)
         np.testing.assert_allclose(r["centroid"], [3 + .1 - depth / 2, 4, 5], atol=.002)
         np.testing.assert_allclose(r["normal"], [-1, 0, 0], atol=.07)  # 4 degrees
+
+    def test_contact_surface_adds_up_to_the_force(self):
+        X = (.19, .01, .02, 0, 0, 0, 1)
+        sharp = bh.build(*box((.2, .1, .06), centre=(3, 4, 5)), spheres=300, surface=True)
+        points, whole = bh.contact_surface(sharp, sharp, X, stiffness=1e6), bh.query(sharp, sharp, X, stiffness=1e6)
+        forces = points["normal"] * (points["area"] * points["pressure"])[:, None]
+        size = np.linalg.norm(forces, axis=1).sum()
+        np.testing.assert_allclose(forces.sum(axis=0), whole["force"], atol=1e-5 * size)
+        self.assertGreater(len(points["area"]), 10)
+        self.assertTrue(points["of_a"].any() and not points["of_a"].all())
+        self.assertEqual(len(bh.contact_surface(sharp, sharp, (5, 0, 0, 0, 0, 0, 1))["area"]), 0)
+        self.assertEqual(len(bh.contact_surface(self.box, self.box, X)["area"]), 0)
 
     def test_every_shape_of_poses_says_the_same(self):
         pairs = list(self.poses(5))

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Tools/AssetCheck.h"
 
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 #include <vector>
 
 using namespace ist;
@@ -52,4 +56,23 @@ TEST(AssetCheck, FindsTheSameOverlapsInAPlateHoweverItLies)
 		}
 		for (Sphere& s : plate) s = {s.z, s.x, s.y, s.r};
 	}
+}
+
+TEST(AssetCheck, FindsASurfaceThatLacksAnElement)
+{
+	BuildOptions options;
+	options.maxSpheres = 10;
+	options.surface = true;
+	Result<InnerSphereTree> built = buildTree(translated(makeCylinderMesh(0.1, 0.2), {100, 2, 3}), options);
+	ASSERT_TRUE(built) << built.error().message;
+	InnerSphereTree tree = std::move(built).value();
+	EXPECT_TRUE(checkSurface(tree).holds());
+	std::vector<SurfaceElement> elements(tree.surface.surface.elements.begin(), tree.surface.surface.elements.end());
+	const double lost = elements.back().area;
+	elements.pop_back();
+	tree.surface.surface.elements = elements;
+	const SurfaceFinding found = checkSurface(tree);
+	EXPECT_FALSE(found.holds());
+	EXPECT_NEAR(found.areaError, lost / tree.area, 1e-5);
+	EXPECT_NEAR(found.openArea, lost / (tree.area - lost), 0.01 * lost / tree.area);
 }

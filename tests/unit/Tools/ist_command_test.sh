@@ -74,7 +74,8 @@ expect build 0 "$ist" build "$dir/cube.obj" -o "$cube" --spheres 300 --json
 holds build 'r["schema"] == 1 and r["spheres"] == 300 and r["leaves"] >= 300 and near(r["volume"], 1) and near(r["area"], 6)'
 holds "build fields" 'set("spheres leaves fill volume mesh_volume area longest_side seconds seconds_setup seconds_packing' \
 	'seconds_leaves seconds_tree watertight repair volume_change mean_gap max_gap min_radius uncovered_area bytes' \
-	'peak_memory_bytes".split()) <= set(r)'
+	'peak_memory_bytes bytes_per_leaf surface_elements surface_cells surface_error surface_max_error surface_bytes' \
+	'sagitta".split()) <= set(r)'
 holds "build values" '0.5 < r["fill"] < 1 and r["watertight"] is True and r["peak_memory_bytes"] > 0 and r["min_radius"] > 0'
 expect "build by many threads" 0 "$ist" build "$dir/cube.obj" -o "$dir/many.ist" --spheres 300 --threads 64 --json
 holds "build by many threads" 'r["peak_memory_bytes"] < 1e9'
@@ -267,14 +268,25 @@ expect "check over a stated unit" 0 "$ist" check "$dir/stated.ist" --mesh "$dir/
 holds "check over a stated unit" 'r["ok"] is True'
 
 expect info 0 "$ist" info "$cube" --json
-holds info 'r["version"] == 6 and r["bytes"] == r["bytes_per_sphere"] * 300 and r["seconds_load"] > 0 and r["spheres"] == 300' \
+holds info 'r["version"] == 7 and r["bytes"] == r["bytes_per_sphere"] * 300 and r["seconds_load"] > 0 and r["spheres"] == 300' \
 	'and r["unit"] == "m" and len(r["mesh_hash"]) == 16 and r["nodes"] > 0 and len(r["calibration"]["levels"]) > 2'
 holds "info mass" 'near(r["longest_side"], 1) and all(near(v, 0.5) for v in r["center_of_mass"])' \
 	'and all(near(v, 1/6 if i % 4 == 0 else 0) for i, v in enumerate(r["inertia"]))'
 
+holds "info without a surface" 'r["surface_elements"] == 0 and r["surface_cells"] == 0 and near(r["sagitta"], 0, 1e-9)'
+expect "build with a surface" 0 "$ist" build "$dir/cube.obj" -o "$dir/sharp.ist" --spheres 300 --surface --quiet
+expect "info of the surface" 0 "$ist" info "$dir/sharp.ist" --json
+holds "info of the surface" '0 < r["surface_bytes"] < r["bytes"] and near(r["bytes_per_leaf"] * r["leaves"], r["bytes"], 1e-6)' \
+	'and r["surface_elements"] > 0 and r["surface_cells"] > 0 and r["surface_error"] <= r["surface_max_error"] < 1e-6' \
+	'and near(r["sagitta"], 0, 1e-9)'
+
 expect check 0 "$ist" check "$cube" --json
 holds check 'r["ok"] is True and r["overlapping_pairs"] == 0 and r["max_overlap"] == 0' \
-	'and r["max_protrusion"] is None and r["problems"] == []'
+	'and r["max_protrusion"] is None and r["problems"] == []' \
+	'and r["surface_elements"] == 0 and r["surface_area_error"] is None'
+expect "check of a surface" 0 "$ist" check "$dir/sharp.ist" --json
+holds "check of a surface" 'r["ok"] is True and r["surface_elements"] > 0' \
+	'and r["surface_area_error"] < 1e-5 and r["surface_open_area"] < 1e-5'
 expect "check with mesh" 0 "$ist" check "$cube" --mesh "$dir/cube.obj" --json
 holds "check with mesh" 'r["ok"] is True and r["protruding"] == 0 and r["max_protrusion"] == 0'
 sed 's/^v 1 1 1/v 0.9 0.9 0.9/' "$dir/cube.obj" > "$dir/other.obj"
@@ -318,6 +330,20 @@ holds query 'r["row"] == 0 and near(r["volume"], 0.1, 0.02) and near(r["force"][
 holds "query fields" 'r["normal"][2] < -0.95 and near(r["centroid"][2], 0.95, 0.03) and len(r["stiffness"]) == 36' \
 	'and r["distance"] == 0 and r["time_us"] > 0 and r["complete"] is True and r["patches"] >= 1 and r["energy"] > 0'
 [ "$(wc -l < "$dir/pairs.csv")" -gt 1 ] || { echo "FAILED pairs.csv"; failures=$((failures + 1)); }
+expect "query surface" 0 "$ist" query "$dir/sharp.ist" "$dir/sharp.ist" --pose 0,0,0.9,0,0,0,1 --stiffness 1000 \
+	--surface "$dir/surface.ply" --json
+python3 - "$dir/surface.ply" "$dir/out" <<'EOF' || { echo "FAILED contact surface"; failures=$((failures + 1)); }
+import json, sys
+lines = open(sys.argv[1]).read().splitlines()
+end = lines.index("end_header")
+count = int(next(l for l in lines if l.startswith("element vertex")).split()[-1])
+rows = [[float(x) for x in l.split()] for l in lines[end + 1:]]
+force = [sum(r[3 + k] * r[6] * r[7] for r in rows) for k in range(3)]
+told = json.loads(open(sys.argv[2]).read())["force"]
+sizes = sum(r[6] * r[7] for r in rows)
+sys.exit(not (lines[0] == "ply" and len(rows) == count > 10 and all(abs(a - b) < 1e-5 * sizes for a, b in zip(force, told))))
+EOF
+expect "query surface of leaves" 1 "$ist" query "$cube" "$cube" --pose 0,0,0.9,0,0,0,1 --surface "$dir/no.ply" --pairs-out "$dir/no.csv"
 expect "query apart" 0 "$ist" query "$cube" "$cube" --pose=-1.5,0,0,0,0,0,1 --json
 holds "query apart" 'r["volume"] == 0 and r["normal"] is None and r["area_vector"] is None and r["distance"] >= 0.5 - 1e-6' \
 	'and r["distance_lower"] <= 0.5 and r["force"] == [0, 0, 0]' \
@@ -369,11 +395,15 @@ data = bytearray(open('$cube', 'rb').read())
 data[len(data) // 2] ^= 4
 open('$dir/flip.ist', 'wb').write(data)
 data[8] = 9
-open('$dir/newer.ist', 'wb').write(data)"
+open('$dir/newer.ist', 'wb').write(data)
+data[8] = 6
+open('$dir/older.ist', 'wb').write(data)"
 expect "damaged asset" 1 "$ist" check "$dir/flip.ist" --json
 holds "damaged asset" 'r["ok"] is False and "checksum" in r["problems"][0]'
 expect "newer asset" 1 "$ist" info "$dir/newer.ist"
 says "newer asset" "newer version (9)"
+expect "older asset" 1 "$ist" info "$dir/older.ist"
+says "older asset" "is of format version 6 of BulletHaptics 0.3 or older; rebuild it: ist build MESH -o FILE"
 
 [ "$failures" -eq 0 ] && echo "all passed"
 exit $((failures > 0))

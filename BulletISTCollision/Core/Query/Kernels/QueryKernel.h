@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletISTCollision/Core/Query/Kernels/FaceSearch.h"
 #include "BulletISTCollision/Core/Tree/BallTree.h"
 #include "BulletISTCollision/Core/Tree/TreeLimits.h"
 
@@ -202,6 +203,8 @@ struct QueryKernel
 	/// Each pair without a patch joins the best patch of its component, or the best of all patches if its component has none. Reads up
 	/// to kListSlack entries behind the end and writes back what it read there.
 	void (*joinNearest)(const PairStream& stream, GroupNumber* groups, int count, const PatchList& list);
+	/// Finds the elements of a surface inside a body (ContactFaces.cpp).
+	void (*findFaces)(FaceSearch& search);
 };
 
 extern const QueryKernel kPortableKernel;

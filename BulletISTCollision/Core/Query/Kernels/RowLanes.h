@@ -14,6 +14,8 @@ using namespace ist::kernels;
 using F = FloatVector<kLanes>;
 using D = DoubleVector<kLanes>;
 static_assert(F::kParts == 1);
+/// A bit for each lane.
+constexpr uint32_t kAllLanes = (1u << kLanes) - 1;
 
 // From each sixteen bytes of two registers, these functions take the front or back half of each: two floats, interleaved, or one double.
 #if defined(IST_SSE) && defined(__AVX512VL__)

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Faces/FaceVolume.h"
+
+#include "BulletISTCollision/Core/Base/SymmetricEigen.h"
+
+#include <algorithm>
+
+namespace ist
+{
+namespace
+{
+/// A direction is never taken as better than the worst by more than this factor of the error.
+constexpr double kLeastVariance = 1e-6;
+}  // namespace
+
+void FaceVolume::addArea(const ContactFace& face)
+{
+	if (!(face.area > 0)) return;
+	m_area += face.area;
+	m_origin += face.area * face.center;
+	m_normals += SymmetricMatrix3::square(face.areaNormal) * (1 / face.area);
+}
+
+void FaceVolume::fit()
+{
+	if (m_area > 0) m_origin = m_origin / m_area;
+	SymmetricEigen<3> eigen;
+	const SymmetricMatrix3& n = m_normals;
+	const bool solved = eigen.decompose({{n.xx, n.xy, n.xz}, {n.xy, n.yy, n.yz}, {n.xz, n.yz, n.zz}});
+	for (int k = 0; k < 3; ++k)
+	{
+		if (solved) m_axes[k] = {eigen.vectors[k][0], eigen.vectors[k][1], eigen.vectors[k][2]};
+		else m_axes[k][k] = 1;
+	}
+}
+
+void FaceVolume::addCut(const ContactFace& face)
+{
+	if (face.cut == 0) return;
+	const Vec3 from = face.center - m_origin;
+	for (int k = 0; k < 3; ++k)
+	{
+		const double height = dot(from, m_axes[k]) * dot(face.areaNormal, m_axes[k]) * face.cut / face.area;
+		m_variance[k] += height * height;
+	}
+}
+
+void FaceVolume::finish()
+{
+	const double largest = *std::max_element(m_variance, m_variance + 3);
+	double sum = 0;
+	for (int k = 0; k < 3; ++k) sum += m_weights[k] = largest > 0 ? 1 / (m_variance[k] + kLeastVariance * largest) : 1;
+	for (double& weight : m_weights) weight /= sum;
+}
+
+double FaceVolume::variance() const
+{
+	double sum = 0;
+	for (int k = 0; k < 3; ++k) sum += m_weights[k] * m_weights[k] * m_variance[k];
+	return sum;
+}
+
+double FaceVolume::of(const ContactFace& face) const
+{
+	const Vec3 from = face.center - m_origin;
+	double volume = 0;
+	for (int k = 0; k < 3; ++k)
+		volume += m_weights[k] * (dot(from, m_axes[k]) * dot(face.areaNormal, m_axes[k]) + dot(m_axes[k], face.spread * m_axes[k]));
+	return volume;
+}
+}  // namespace ist

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Query/SurfaceOverlap.h"
+
+#include "BulletISTCollision/Core/Faces/DepthIntegral.h"
+#include "BulletISTCollision/Core/Faces/FaceParts.h"
+#include "BulletISTCollision/Core/Faces/FaceVolume.h"
+#include "BulletISTCollision/Core/Query/QueryWorkspaceState.h"
+
+#include <algorithm>
+
+namespace ist
+{
+using namespace kernels;
+
+namespace
+{
+/// A part of a contact has at least this share of the volume that its depths say, whatever its faces enclose.
+constexpr double kLeastOfColumns = 0.3;
+/// The damping of columns is scaled to the volume by at most this factor.
+constexpr double kMostOfColumns = 4;
+/// Share of a pressure below which it has no direction, and the rank of such a face (PairStream::Rank).
+constexpr double kNoDirection = 0.1, kLeastRank = 0.001;
+
+void toFrame(const Pose& X, ContactFace& face)
+{
+	face.center = X * face.center;
+	face.pressureCenter = X * face.pressureCenter;
+	face.areaNormal = X.rotation * face.areaNormal;
+	face.pressure = X.rotation * face.pressure;
+	face.gradient = X.rotation * face.gradient;
+	face.spread = X.rotation * face.spread * transpose(X.rotation);
+}
+
+/// Volume of the columns from the face along the depth's gradient to the other body's surface [m^3]; too small where these lines
+/// come from an edge or from the medial axis.
+double columnVolume(const ContactFace& face) { return std::max(0.0, dot(face.pressure, face.gradient)); }
+
+void addSquare(double (&m)[6], const Vec3& x, double w)
+{
+	const double s[6] = {x.x * x.x, x.y * x.y, x.z * x.z, x.x * x.y, x.x * x.z, x.y * x.z};
+	for (int i = 0; i < 6; ++i) m[i] += w * s[i];
+}
+
+/// K += w sym(a b^T) for twists or wrenches a and b.
+void addSymmetric(SymmetricMatrix6& K, const double (&a)[6], const double (&b)[6], double w)
+{
+	for (int i = 0, entry = 0; i < 6; ++i)
+		for (int j = i; j < 6; ++j) K.m[entry++] += 0.5 * w * (a[i] * b[j] + a[j] * b[i]);
+}
+
+/// Volume of the columns of a face, with the weight of the body whose depth presses there.
+double weightedColumns(const ContactFace& face, double sign, const DampingWeights& weights)
+{
+	return (sign > 0 ? weights.A : weights.B) * columnVolume(face);
+}
+
+/// Adds what a face says of forces, stiffness and damping; everything but the volume. `sign`: 1 for a face of B, -1 for one of A.
+void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, const DampingWeights& weights)
+{
+	const Vec3 &n = face.areaNormal, &g = face.gradient, &x = face.center, &p = face.pressureCenter;
+	Wrench& normal = sign > 0 ? sums.normalA : sums.normalB;
+	normal.force -= face.pressure;
+	normal.torque -= cross(p, face.pressure);
+	sums.areaVector += (0.5 * sign) * n;
+	const Vec3 tn = cross(x, n), tg = cross(x, g);
+	const double G[6] = {n.x, n.y, n.z, tn.x, tn.y, tn.z}, H[6] = {g.x, g.y, g.z, tg.x, tg.y, tg.z};
+	addSymmetric(sign > 0 ? sums.stiffnessA : sums.stiffnessB, G, H, 1);
+	// The body whose depth presses moves along its own normals, which the depth's gradient has all along the columns below the face.
+	const double weight = weightedColumns(face, sign, weights);
+	if (weight > 0)
+	{
+		const Vec3 tp = cross(p, g);
+		const double P[6] = {g.x, g.y, g.z, tp.x, tp.y, tp.z};
+		addSymmetric(sums.damping, P, P, weight);
+	}
+	++sums.pairs;
+}
+
+/// Moments of the places where a patch presses, and the volume of its columns.
+struct PressedPlaces
+{
+	double depth = 0, area = 0, columns = 0, damped = 0, second[6] = {};
+	Vec3 first;
+
+	void add(const ContactFace& face, double sign, const DampingWeights& weights)
+	{
+		damped += weightedColumns(face, sign, weights);
+		depth += face.depth;
+		area += face.area;
+		columns += 0.5 * columnVolume(face);
+		first += face.depth * face.pressureCenter;
+		addSquare(second, face.pressureCenter, face.depth);
+		// A face is taken as a disc.
+		const double spread = face.depth * face.area / (4 * 3.14159265358979323846);
+		addSquare(second, face.areaNormal / face.area, -spread);
+		for (int i = 0; i < 3; ++i) second[i] += spread;
+	}
+	void addTo(OverlapIntegrals& sums) const
+	{
+		if (!(depth > 0)) return;
+		const double share = sums.volume / depth;
+		sums.firstMoment = share * first;
+		for (int i = 0; i < 6; ++i) sums.secondMoment[i] = share * second[i];
+		// Columns are too small where their lines spread.
+		const double both = sums.dampingWeights.A + sums.dampingWeights.B;
+		if (!(damped > 0)) return;
+		const double scale = std::min(both * both * sums.volume / damped, kMostOfColumns);
+		for (double& m : sums.damping.m) m *= scale;
+	}
+};
+
+/// Volume and depth of a part of the overlap that hangs together: it may be several patches.
+struct OverlapPart
+{
+	FaceVolume form;
+	double volume = 0, columns = 0, depth = 0, area = 0;
+	DepthIntegral depths;
+};
+}  // namespace
+
+struct SurfaceWorkspace::Implementation
+{
+	FaceList ofA, ofB;
+	PatchGrouper grouper;
+	DemandZeroArray<uint32_t> a, b;
+	DemandZeroArray<float> numbers;
+	PairStream stream{};
+	std::vector<OverlapIntegrals> patches;
+	std::vector<PressedPlaces> places;
+	std::vector<OverlapPart> parts;  ///< of each patch; valid for the first patch of a part
+	std::vector<uint32_t> partOf;    ///< first patch of the part of each patch
+	FaceParts faceParts;
+	DemandZeroArray<uint32_t> firstOfPart;  ///< first patch that was found for each part of the faces
+	const QueryKernel* kernel = nullptr;
+
+	explicit Implementation(size_t faces) : faceParts(2 * faces), firstOfPart(2 * faces) {}
+};
+
+SurfaceWorkspace::SurfaceWorkspace(size_t faces, int patches, const kernels::QueryKernel* kernel)
+	: m_impl(std::make_unique<Implementation>(faces))
+{
+	Implementation& w = *m_impl;
+	w.kernel = kernel ? kernel : &kPortableKernel;
+	w.ofA.faces = DemandZeroArray<ContactFace>(faces);
+	w.ofB.faces = DemandZeroArray<ContactFace>(faces);
+	const size_t both = 2 * faces + kListSlack;
+	w.a = DemandZeroArray<uint32_t>(both);
+	w.b = DemandZeroArray<uint32_t>(both);
+	w.numbers = DemandZeroArray<float>(both * PairStream::ColumnCount);
+	w.stream = {w.a.data(), w.b.data(), w.numbers.data(), both};
+	w.patches.resize(size_t(std::max(1, patches)));
+	w.places.resize(w.patches.size());
+	w.parts.resize(w.patches.size());
+	w.partOf.resize(w.patches.size());
+	w.grouper.reserve(2 * faces, 4 * faces, int(w.patches.size()));
+}
+
+SurfaceWorkspace::~SurfaceWorkspace() = default;
+
+void SurfaceWorkspace::makeResident()
+{
+	Implementation& w = *m_impl;
+	w.ofA.faces.touch();
+	w.ofB.faces.touch();
+	w.a.touch();
+	w.b.touch();
+	w.numbers.touch();
+	w.faceParts.makeResident();
+	w.firstOfPart.touch();
+	w.grouper.makeResident();
+}
+
+namespace
+{
+/// How far the surface may be off at a face: the errors of its own description and of the other body's depth [m].
+double errorOf(const ContactSurface& surface, const DepthField& field, const ContactFace& face)
+{
+	return std::hypot(double(surface.elements[face.element].error), double(field.cells[face.cell].error));
+}
+
+/// Groups the faces of both bodies into parts that hang together, and these into patches.
+class FaceGrouping
+{
+public:
+	FaceGrouping(SurfaceWorkspace::Implementation& work, int most) : m_work(work), m_most(std::min(most, int(work.patches.size()))) {}
+
+	/// Returns the number of patches. Sets the first patch of the part of each patch.
+	int group()
+	{
+		FaceParts& parts = m_work.faceParts;
+		parts.clear();
+		for (size_t i = 0; i < m_work.ofB.count; ++i) add(m_work.ofB.faces[i], 1);
+		for (size_t i = 0; i < m_work.ofA.count; ++i) add(m_work.ofA.faces[i], -1);
+		const uint32_t count = parts.find();
+		const PairStream& s = m_work.stream;
+		for (int i = 0; i < m_count; ++i) s.a[i] = s.b[i] = parts.of(size_t(i));
+		const int patches = m_work.grouper.group(
+			*m_work.kernel, s, m_count, uint32_t(m_work.ofA.faces.size() + m_work.ofB.faces.size()), m_most);
+		findFirstPatches(count);
+		return patches;
+	}
+
+private:
+	void add(const ContactFace& face, double sign)
+	{
+		m_work.faceParts.add(face);
+		const PairStream& s = m_work.stream;
+		const double size = norm(face.pressure);
+		const bool directed = size > kNoDirection * face.depth;
+		for (int i = 0; i < 3; ++i)
+		{
+			columnOf(s, PairStream::Force + i)[m_count] = float(sign * face.pressure[i]);
+			columnOf(s, PairStream::Centroid + i)[m_count] = float(face.center[i]);
+		}
+		columnOf(s, PairStream::Size)[m_count] = directed ? float(size) : 0;
+		columnOf(s, PairStream::Rank)[m_count] = float(std::max(size, kLeastRank * face.depth));
+		++m_count;
+	}
+
+	/// A patch may hold faces of several parts where there are more parts than patches; they count as one part.
+	void findFirstPatches(uint32_t parts)
+	{
+		DemandZeroArray<uint32_t>& first = m_work.firstOfPart;
+		std::vector<uint32_t>& partOf = m_work.partOf;
+		const float* patchOf = m_work.grouper.patch();
+		for (uint32_t part = 0; part < parts; ++part) first[part] = UINT32_MAX;
+		for (uint32_t p = 0; p < uint32_t(m_work.patches.size()); ++p) partOf[p] = p;
+		const auto root = [&](uint32_t p) {
+			while (partOf[p] != p) p = partOf[p];
+			return p;
+		};
+		for (int i = 0; i < m_count; ++i)
+		{
+			uint32_t& f = first[m_work.faceParts.of(size_t(i))];
+			const uint32_t p = root(uint32_t(patchOf[i]));
+			if (f == UINT32_MAX) f = p;
+			const uint32_t q = root(f);
+			partOf[std::max(p, q)] = std::min(p, q);
+		}
+		for (uint32_t p = 0; p < uint32_t(m_work.patches.size()); ++p) partOf[p] = root(p);
+	}
+
+	SurfaceWorkspace::Implementation& m_work;
+	int m_most;  // patches
+	int m_count = 0;
+};
+}  // namespace
+
+SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const Pose& X_AB, SurfaceWorkspace& workspace,
+	const DampingWeights& damping, int mostPatches)
+{
+	SurfaceWorkspace::Implementation& work = workspace.implementation();
+	const Pose X_BA = inverse(X_AB);
+	const DepthIntegral::Fields fields{&A.field, &B.field, X_BA};
+	work.ofA.clear();
+	work.ofB.clear();
+	collectFaces(B, A, X_AB, *work.kernel, work.ofB);
+	collectFaces(A, B, X_BA, *work.kernel, work.ofA);
+	for (size_t i = 0; i < work.ofB.count; ++i) work.ofB.faces[i].error = errorOf(B.surface, A.field, work.ofB.faces[i]);
+	for (size_t i = 0; i < work.ofA.count; ++i)
+	{
+		toFrame(X_AB, work.ofA.faces[i]);
+		work.ofA.faces[i].error = errorOf(A.surface, B.field, work.ofA.faces[i]);
+	}
+
+	const auto forAll = [&](const auto& function) {
+		for (size_t i = 0; i < work.ofB.count; ++i) function(work.ofB.faces[i], i, 1.0);
+		for (size_t i = 0; i < work.ofA.count; ++i) function(work.ofA.faces[i], work.ofB.count + i, -1.0);
+	};
+	SurfaceOverlap result;
+	const int patches = FaceGrouping(work, mostPatches).group();
+	const float* patchOf = work.grouper.patch();
+	for (size_t p = 0; p < size_t(patches); ++p)
+	{
+		work.patches[p] = {};
+		work.patches[p].dampingWeights = damping;
+		work.places[p] = {};
+		work.parts[p] = {};
+	}
+	const auto partOf = [&](size_t index) -> OverlapPart& { return work.parts[work.partOf[size_t(patchOf[index])]]; };
+	forAll([&](const ContactFace& face, size_t index, double) { partOf(index).form.addArea(face); });
+	for (size_t p = 0; p < size_t(patches); ++p) work.parts[p].form.fit();
+	forAll([&](const ContactFace& face, size_t index, double) { partOf(index).form.addCut(face); });
+	for (size_t p = 0; p < size_t(patches); ++p)
+	{
+		FaceVolume& form = work.parts[p].form;
+		form.finish();
+		work.parts[p].depths.begin(fields, form.origin(), form.area());
+	}
+	forAll([&](const ContactFace& face, size_t index, double sign) {
+		const size_t p = size_t(patchOf[index]);
+		addFace(work.patches[p], face, sign, damping);
+		work.patches[p].forceVariance += face.area * face.area * face.error * face.error;
+		work.places[p].add(face, sign, damping);
+		OverlapPart& part = partOf(index);
+		part.volume += part.form.of(face);
+		part.columns += 0.5 * columnVolume(face);
+		part.depth += face.depth;
+		part.area += face.area;
+		part.depths.add(fields, face, sign > 0);
+	});
+	for (size_t p = 0; p < size_t(patches); ++p)
+	{
+		OverlapPart& part = work.parts[p];
+		if (work.partOf[p] != p) continue;
+		part.volume = std::max(part.volume, kLeastOfColumns * part.columns);
+		part.depths.finish(fields, part.volume);
+	}
+	for (size_t p = 0; p < size_t(patches); ++p)
+	{
+		const OverlapPart& part = work.parts[work.partOf[p]];
+		OverlapIntegrals& patch = work.patches[p];
+		const double share = part.depth > 0 ? work.places[p].depth / part.depth : part.area > 0 ? work.places[p].area / part.area : 1;
+		patch.volume = patch.surfaceVolume = share * part.volume;
+		patch.volumeVariance = share * part.form.variance();
+		patch.depthA = share * part.depths.ofA();
+		patch.depthB = share * part.depths.ofB();
+		work.places[p].addTo(patch);
+		result.total.add(patch);
+	}
+	result.total.dampingWeights = damping;
+	result.patches = work.patches.data();
+	result.patchCount = patches;
+	result.ofA = work.ofA.faces.data();
+	result.ofB = work.ofB.faces.data();
+	result.countA = work.ofA.count;
+	result.countB = work.ofB.count;
+	result.dropped = work.ofA.dropped + work.ofB.dropped;
+	const FaceCounts &a = work.ofA.counts, &b = work.ofB.counts;
+	result.counts = {a.nodes + b.nodes, a.elements + b.elements, a.quarters + b.quarters, a.planes + b.planes, a.cuts + b.cuts,
+		a.cells + b.cells, a.halvings + b.halvings};
+	return result;
+}
+}  // namespace ist

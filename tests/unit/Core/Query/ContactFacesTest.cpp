@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Faces/ContactFaces.h"
+
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Query/QueryWorkspaceState.h"
+#include "tests/unit/Core/Query/FaceReference.h"
+#include "tests/unit/CountingAllocator.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+using namespace ist;
+
+namespace
+{
+constexpr double kPi = std::numbers::pi;
+
+BodySurface surfaceOf(const Mesh& mesh, int64_t size)
+{
+	BodySurfaceOptions options;
+	options.cells = options.elements = size;
+	Result<BodySurface> body = buildBodySurface(MeshDistance(mesh), options);
+	EXPECT_TRUE(body) << body.error().message;
+	return std::move(body).value();
+}
+
+struct NamedBody
+{
+	std::string name;
+	BodySurface body;
+};
+
+const std::vector<NamedBody>& bodies()
+{
+	static const std::vector<NamedBody> all = {{"torus", surfaceOf(makeTorusMesh(0.2, 0.08), 1500)},
+		{"box", surfaceOf(makeBoxMesh({0.2, 0.15, 0.1}), 300)}, {"cone", surfaceOf(makeConeMesh(0.15, 0.3), 800)},
+		{"ball", surfaceOf(makeSphereMesh(0.15, 4), 600)}};
+	return all;
+}
+
+Pose randomPose(std::mt19937& random, double size)
+{
+	std::uniform_real_distribution<double> u(-1, 1);
+	const Vec3 axis = normalized(Vec3{u(random), u(random), u(random)});
+	const double angle = kPi * u(random), s = std::sin(angle / 2);
+	return {rotationMatrix({s * axis.x, s * axis.y, s * axis.z, std::cos(angle / 2)}), size * Vec3{u(random), u(random), u(random)}};
+}
+
+/// Pose of the second of two bodies in the first, both of which lie around `place`.
+Pose relativePose(std::mt19937& random, const Vec3& place)
+{
+	Pose first = randomPose(random, 0.05), second = randomPose(random, 0.2);
+	first.translation += place;
+	second.translation += place;
+	return inverse(first) * second;
+}
+
+const kernels::QueryKernel& kernelOf(QueryWorkspace& workspace) { return *workspace.implementation().kernel; }
+
+FaceList listOf(size_t capacity)
+{
+	FaceList list;
+	list.faces = DemandZeroArray<ContactFace>(capacity);
+	return list;
+}
+
+FaceSums sumsOf(const FaceList& list)
+{
+	FaceSums sums;
+	for (size_t i = 0; i < list.count; ++i)
+	{
+		const ContactFace& f = list.faces[i];
+		sums.area += f.area;
+		sums.depth += f.depth;
+		sums.areaNormal += f.areaNormal;
+		sums.pressure += f.pressure;
+		sums.moment += f.depth * f.pressureCenter;
+	}
+	return sums;
+}
+
+TEST(ContactFaces, AgreeWithCutsAtEveryPlane)
+{
+	QueryWorkspace workspace;
+	FaceList list = listOf(20000);
+	std::mt19937 random(7);
+	for (const Vec3& place : {Vec3{}, Vec3{1000, -400, 300}})
+		for (const NamedBody& A : bodies())
+			for (const NamedBody& B : bodies())
+			{
+				double difference = 0, size = 0, area = 0, areaSize = 0, moment = 0, momentSize = 0;
+				for (int i = 0; i < 4; ++i)
+				{
+					const Pose X = relativePose(random, place);
+					list.clear();
+					collectFaces(B.body, A.body, X, kernelOf(workspace), list);
+					ASSERT_EQ(list.dropped, 0U);
+					const FaceSums found = sumsOf(list), expected = FaceReference(B.body.surface, A.body.field, X).sums();
+					difference += norm(found.pressure - expected.pressure);
+					size += expected.depth;
+					area += std::fabs(found.area - expected.area) + norm(found.areaNormal - expected.areaNormal);
+					areaSize += expected.area;
+					moment += norm(found.moment - expected.moment);
+					momentSize += 0.2 * expected.depth;
+				}
+				const std::string names = A.name + " " + B.name;
+				EXPECT_GT(size, 0) << names;
+				EXPECT_LT(difference, 0.005 * size) << names;
+				EXPECT_LT(area, 0.01 * areaSize) << names;
+				EXPECT_LT(moment, 0.005 * momentSize) << names;
+			}
+}
+
+TEST(ContactFaces, AreTheSameInEveryInstructionSet)
+{
+	FaceList lists[2] = {listOf(20000), listOf(20000)};
+	QueryWorkspace portable({1, 1, 64}, InstructionSet::Portable);
+	for (const InstructionSet set : kInstructionSets)
+	{
+		if (!isAvailable(set)) continue;
+		QueryWorkspace other({1, 1, 64}, set);
+		std::mt19937 random(11);
+		for (const NamedBody& A : bodies())
+			for (const NamedBody& B : bodies())
+			{
+				const Pose X = relativePose(random, {});
+				for (FaceList& list : lists)
+				{
+					list.clear();
+					collectFaces(B.body, A.body, X, kernelOf(&list == lists ? portable : other), list);
+				}
+				ASSERT_EQ(lists[0].count, lists[1].count) << toString(set) << ' ' << A.name << ' ' << B.name;
+				EXPECT_EQ(lists[0].counts.nodes, lists[1].counts.nodes);
+				EXPECT_EQ(lists[0].counts.quarters, lists[1].counts.quarters);
+				for (size_t i = 0; i < lists[0].count; ++i)
+					ASSERT_EQ(std::memcmp(&lists[0].faces[i], &lists[1].faces[i], sizeof(ContactFace)), 0)
+						<< toString(set) << ' ' << A.name << ' ' << B.name << ' ' << i;
+			}
+	}
+}
+
+TEST(ContactFaces, AreFinite)
+{
+	QueryWorkspace workspace;
+	FaceList list = listOf(20000);
+	std::mt19937 random(13);
+	// Long triangles of flat faces, some without area in single precision.
+	const BodySurface cylinder = surfaceOf(makeCylinderMesh(0.1, 0.4, 300), 400), thin = surfaceOf(makeTorusMesh(0.2, 0.004), 800);
+	std::vector<const BodySurface*> pressing = {&cylinder, &thin};
+	for (const NamedBody& b : bodies()) pressing.push_back(&b.body);
+	for (int i = 0; i < 1000; ++i)
+	{
+		const BodySurface &B = *pressing[size_t(i) % pressing.size()], &A = *pressing[size_t(i) / 7 % pressing.size()];
+		list.clear();
+		collectFaces(B, A, randomPose(random, 0.2), kernelOf(workspace), list);
+		for (size_t k = 0; k < list.count; ++k)
+		{
+			const ContactFace& f = list.faces[k];
+			ASSERT_TRUE(isFinite(f.center) && isFinite(f.pressure) && isFinite(f.pressureCenter) && isFinite(f.gradient));
+			ASSERT_TRUE(std::isfinite(norm(f.spread.column(0)) + norm(f.spread.column(1)) + norm(f.spread.column(2))));
+			ASSERT_GT(f.area, 0);
+			ASSERT_LT(distance(f.center, f.pressureCenter), 1);
+			ASSERT_LT(norm(f.center), 1);
+		}
+	}
+}
+
+TEST(ContactFaces, AllocateNothing)
+{
+	QueryWorkspace workspace;
+	FaceList list = listOf(20000);
+	std::mt19937 random(17);
+	Pose poses[20];
+	for (Pose& X : poses) X = randomPose(random, 0.2);
+	const BodySurface &torus = bodies()[0].body, &box = bodies()[1].body;
+	const long before = allocationCount();
+	for (const Pose& X : poses)
+	{
+		collectFaces(torus, box, X, kernelOf(workspace), list);
+		collectFaces(box, torus, X, kernelOf(workspace), list);
+	}
+	EXPECT_EQ(allocationCount(), before);
+	EXPECT_GT(list.count + list.dropped, 100U);
+}
+
+TEST(ContactFaces, ThatDoNotFitAreCounted)
+{
+	QueryWorkspace workspace;
+	FaceList list = listOf(20000), few = listOf(16);
+	const BodySurface &torus = bodies()[0].body, &box = bodies()[1].body;
+	collectFaces(torus, box, {}, kernelOf(workspace), list);
+	collectFaces(torus, box, {}, kernelOf(workspace), few);
+	ASSERT_GT(list.count, 16U);
+	EXPECT_EQ(list.dropped, 0U);
+	EXPECT_EQ(few.count + few.dropped, list.count);
+}
+
+/// Quads whose four children are quads again, `levels` times; of each level only the first four are opened further, and the others have one
+/// element each.
+std::vector<SurfaceQuad> deepTree(int levels)
+{
+	std::vector<SurfaceQuad> quads(1);
+	const SurfaceQuad all{{}, {}, {}, {1, 1, 1, 1}, {}}, leaf{{}, {}, {}, {1, -1, -1, -1}, {SurfaceNode::kElement}};
+	std::vector<size_t> open = {0};
+	for (int level = 0; level < levels; ++level)
+	{
+		std::vector<size_t> next;
+		for (const size_t parent : open)
+		{
+			quads[parent] = all;
+			for (int k = 0; k < 4; ++k)
+			{
+				quads[parent].child[k] = uint32_t(quads.size());
+				next.push_back(quads.size());
+				quads.push_back(leaf);
+			}
+		}
+		// The last nodes of a level lie on top of the stack.
+		open.assign(next.end() - std::min<std::ptrdiff_t>(4, std::ptrdiff_t(next.size())), next.end());
+	}
+	return quads;
+}
+
+TEST(ContactFaces, NodesThatDoNotFitOnTheStackAreCounted)
+{
+	QueryWorkspace workspace;
+	FaceList list = listOf(20000);
+	BodySurface chain = bodies()[3].body;
+	for (const int levels : {40, 120})
+	{
+		chain.tables.quads = deepTree(levels);
+		list.clear();
+		collectFaces(chain, bodies()[1].body, {}, kernelOf(workspace), list);
+		EXPECT_EQ(list.dropped > 0, levels == 120) << levels;
+	}
+}
+}  // namespace
