@@ -143,6 +143,7 @@ int runBuild(const BuildArguments& a)
 	report["seconds_setup"] = importSeconds + times.setup;
 	report["seconds_packing"] = times.packing;
 	report["seconds_leaves"] = times.leaves;
+	report["seconds_surface"] = times.surface;
 	report["seconds_tree"] = times.tree;
 	report["peak_memory_bytes"] = static_cast<uint64_t>(peakMemoryBytes());
 	std::fputs(format(report, a.json).c_str(), stdout);

@@ -38,35 +38,14 @@ struct Body
 	InnerSphereTree tree;
 };
 
-std::vector<Vec3> pointsOf(const Mesh& mesh)
-{
-	std::vector<Vec3> points = mesh.vertices;
-	for (const auto& t : mesh.triangles)
-		for (int e = 0; e < 3; ++e)
-		{
-			const Vec3 a = mesh.vertices[t[size_t(e)]], b = mesh.vertices[t[size_t((e + 1) % 3)]];
-			const int parts = int(distance(a, b) / kSpacing);
-			for (int i = 1; i < parts; ++i) points.push_back(a + (b - a) * (double(i) / parts));
-		}
-	return points;
-}
-
-double separation(const Body& A, const Body& B, const Pose& X_AB)
-{
-	const Pose X_BA = inverse(X_AB);
-	double least = 1e300;
-	for (const Vec3& p : B.points) least = A.surface.closest(X_AB * p, least).distance;
-	for (const Vec3& p : A.points) least = B.surface.closest(X_BA * p, least).distance;
-	return least;
-}
-
 /// B approaches from afar along a random line until it touches. Each step is at most the free distance.
 Pose touchingPose(const Body& A, const Body& B, uint64_t seed)
 {
 	const Mat3 rotation = rotationMatrix(randomRotation(2 * seed));
 	const Vec3 direction = rotationMatrix(randomRotation(2 * seed + 1)) * Vec3{0, 0, 1};
 	Pose X{rotation, A.tree.origin + 2 * direction - rotation * B.tree.origin};
-	for (double way = 1; way > kTouching; X.translation = X.translation - way * direction) way = separation(A, B, X);
+	for (double way = 1; way > kTouching; X.translation = X.translation - way * direction)
+		way = bench::separation({A.surface, A.points}, {B.surface, B.points}, X);
 	return X;
 }
 
@@ -189,7 +168,7 @@ int main(int argc, char** argv)
 		BuildOptions options;
 		options.maxSpheres = spheres;
 		Result<InnerSphereTree> tree = buildTree(mesh, options);
-		if (tree) bodies.push_back({name, MeshDistance(mesh), pointsOf(mesh), std::move(tree).value()});
+		if (tree) bodies.push_back({name, MeshDistance(mesh), bench::pointsOf(mesh, kSpacing), std::move(tree).value()});
 		else std::printf("%s: %s\n", name, tree.error().message.c_str());
 	}
 	std::printf("%d spheres, %d poses of exact touch; %% of the volume (force: of the force k V) at %g %% overlap\n", spheres, poses,

@@ -17,10 +17,8 @@ namespace
 {
 /// A polygon is halved while the depth bends by more than this share of its largest value.
 constexpr float kMostBend = 0.25f;
-/// Errors and rounding up to which two surfaces are taken as flush.
-constexpr float kFlushErrors = 2, kRounding = 1e-6f;  // kRounding: per length of the domain
-/// Share of a flush face that counts as cut: whether it is inside is not known, and neighbours err alike.
-constexpr double kFlushCut = 1.6;
+/// Rounding of depths per length of the domain; as far as this two surfaces are flush whatever their errors.
+constexpr float kRounding = 1e-6f;
 /// Elements are cut at the planes if their radius is larger than this many median radii of the cells, or than this share of the body's
 /// depth: four samples would miss a thin body.
 constexpr float kLargestDepths = 0.5f;
@@ -28,7 +26,6 @@ constexpr float kLargestRadii = 4;
 constexpr int kMostHalvings = 6, kStackSize = 96;
 
 typedef float Float4 __attribute__((vector_size(16)));
-typedef int32_t Int4 __attribute__((vector_size(16)));
 
 inline Float4 allLanes(float x) { return Float4{x, x, x, x}; }
 inline Float4 load(const float* p)
@@ -37,8 +34,6 @@ inline Float4 load(const float* p)
 	std::memcpy(&v, p, sizeof v);
 	return v;
 }
-
-Vec3 toVec3(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
 struct CellDepth
 {

@@ -42,11 +42,11 @@ double meanDepth(const OverlapIntegrals& integrals);
 constexpr double kFaceForceError = 0.5, kFaceVolumeError = 1.1, kSurfaceForceError = 0.003, kSurfaceVolumeError = 2e-4;
 /// Constants of the error bar of leaves, fitted to bench_truth.
 constexpr double kVolumeError = 0.1, kVolumePower = 1.75, kForceError = 0.105, kForcePower = 1.5, kGapError = 0.04, kLeastAcross = 0.1;
-/// Standard errors of a query's answer. Of surfaces, with the sums E_F^2 = forceVariance and E_V^2 = volumeVariance of the integrals:
+/// Standard errors of a query's answer. Surfaces have, with the sums E_F^2 = forceVariance and E_V^2 = volumeVariance of the integrals:
 ///     sigma_V = hypot(kFaceVolumeError E_F, E_V, kSurfaceVolumeError V) [m^3],
 ///     sigma_F = k hypot(kFaceForceError E_F, kSurfaceForceError V) [N].
 /// Fitted to overlaps of 0.01 to 50 % of round and thin bodies of 500 to 3,000 cells and elements: 95 % of forces are within 2 sigma.
-/// Of leaves:
+/// Leaves have:
 ///     sigma_V = V hypot(kVolumeError / n^kVolumePower, r) [m^3],   sigma_F = k V hypot(kForceError / n^kForcePower, r) [N].
 /// n = cbrt(leafDensity V) + kLeastAcross is the number of leaves that span the overlap, in the coarser of the two bodies: all pairs of
 /// one leaf share its error. r = kGapError (g/delta)^2 grows as the overlap gets shallow. g is the sum of the bodies' errorLength(),

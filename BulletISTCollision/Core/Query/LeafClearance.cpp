@@ -86,7 +86,7 @@ struct SurfaceBall
 	bool isElement() const { return (child & SurfaceNode::kElement) != 0; }
 };
 
-SurfaceBall ballOf(const SurfaceNode& node) { return {node.child, {node.center[0], node.center[1], node.center[2]}, node.radius}; }
+SurfaceBall ballOf(const SurfaceNode& node) { return {node.child, toVec3(node.center), node.radius}; }
 
 struct SurfaceBallPair
 {
@@ -108,8 +108,6 @@ struct FlatPiece
 		return dot(center, u) + (isTriangle ? std::max({0.0, a, b}) : std::fabs(a) + std::fabs(b));
 	}
 };
-
-Vec3 toVec3(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
 
 bool isFlat(const SurfaceElement& e) { return e.k11 == 0 && e.k12 == 0 && e.k22 == 0 && e.error == 0; }
 

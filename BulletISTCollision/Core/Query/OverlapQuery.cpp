@@ -110,10 +110,10 @@ OverlapResult queryTrees(const InnerSphereTree& A, const InnerSphereTree& B, con
 OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, QueryWorkspace& workspace,
 	const QueryOptions& options, VerletList* memory)
 {
-	// Surfaces do not reach beyond the bodies.
-	QueryOptions sharp = options;
 	if (wantsInnerOverlap(options) && options.maxPairs < 0 && answerSurfaces(A, B, options, std::max(0, options.level)))
 	{
+		// Surfaces do not reach beyond the bodies.
+		QueryOptions sharp = options;
 		sharp.requireInnerOverlap = sharp.gate = false;
 		return queryTrees(A, B, X_AB, workspace, sharp, memory);
 	}

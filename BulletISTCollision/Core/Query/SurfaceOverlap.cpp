@@ -152,7 +152,7 @@ SurfaceWorkspace::SurfaceWorkspace(size_t faces, int patches, const kernels::Que
 	w.places.resize(w.patches.size());
 	w.parts.resize(w.patches.size());
 	w.partOf.resize(w.patches.size());
-	w.grouper.reserve(2 * faces, 4 * faces, int(w.patches.size()));
+	w.grouper.reserve(2 * faces, 2 * faces, int(w.patches.size()));
 }
 
 SurfaceWorkspace::~SurfaceWorkspace() = default;
@@ -194,8 +194,8 @@ public:
 		const uint32_t count = parts.find();
 		const PairStream& s = m_work.stream;
 		for (int i = 0; i < m_count; ++i) s.a[i] = s.b[i] = parts.of(size_t(i));
-		const int patches = m_work.grouper.group(
-			*m_work.kernel, s, m_count, uint32_t(m_work.ofA.faces.size() + m_work.ofB.faces.size()), m_most);
+		// A pair of the grouper is a face, and both of its balls are the part of the face.
+		const int patches = m_work.grouper.group(*m_work.kernel, s, m_count, 0, m_most);
 		findFirstPatches(count);
 		return patches;
 	}

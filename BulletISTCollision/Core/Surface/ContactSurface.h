@@ -30,6 +30,9 @@ struct SurfaceElement
 	uint32_t isTriangle = 0;          ///< 1 for a triangle
 };
 
+/// A point or vector of an element or of a node.
+inline Vec3 toVec3(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
+
 /// A node of the tree over the elements: a ball around all points of its elements (cluster and sheet). The rim of a round flat face may
 /// stand out of the ball of a triangle by 3 % of an element's size.
 struct SurfaceNode

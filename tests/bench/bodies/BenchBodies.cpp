@@ -62,4 +62,26 @@ Mesh meshNamed(const std::string& name)
 	if (name == "sword") return scenes::makeSwordMesh();
 	return makeSphereMesh(1, 5);
 }
+
+std::vector<Vec3> pointsOf(const Mesh& mesh, double spacing)
+{
+	std::vector<Vec3> points = mesh.vertices;
+	for (const auto& t : mesh.triangles)
+		for (size_t e = 0; e < 3; ++e)
+		{
+			const Vec3 a = mesh.vertices[t[e]], b = mesh.vertices[t[(e + 1) % 3]];
+			const int parts = int(distance(a, b) / spacing);
+			for (int i = 1; i < parts; ++i) points.push_back(a + (b - a) * (double(i) / parts));
+		}
+	return points;
+}
+
+double separation(const SampledSurface& A, const SampledSurface& B, const Pose& X_AB)
+{
+	const Pose X_BA = inverse(X_AB);
+	double least = 1e300;
+	for (const Vec3& p : B.points) least = A.surface.closest(X_AB * p, least).distance;
+	for (const Vec3& p : A.points) least = B.surface.closest(X_BA * p, least).distance;
+	return least;
+}
 }  // namespace bench

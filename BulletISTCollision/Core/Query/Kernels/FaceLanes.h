@@ -20,10 +20,6 @@ constexpr float kExactMisfit = 1e-4f;
 constexpr float kMostBend = 1;
 /// A smaller share of an element counts as nothing: rounding would decide where its center is.
 constexpr float kLeastShare = 1e-5f;
-/// Errors up to which two surfaces are taken as flush.
-constexpr float kFlushErrors = 2;
-/// Share of a flush face that counts as cut (ContactFaces.cpp).
-constexpr float kFlushCut = 1.6f;
 
 constexpr int kNodesPerVisit = 4, kNodeStack = 1024, kWaiting = 128;
 static_assert(kNodesPerVisit * 4 == kFaceBatch);
@@ -135,8 +131,7 @@ __attribute__((noinline)) void FaceFinder::visit(const uint32_t* nodes, int coun
 	const uint32_t outside = F::less(all(0), beyond), lanes = 4 * count < kLanes ? (1u << (4 * count)) - 1 : kAllLanes;
 	// Far from its samples a quadric falls too steeply: its value divided by its slope is then a better distance.
 	const F depth = at.depth + all(3) * at.error, reach = all(kOutsideSlack) * radius;
-	const F& gx = at.gradient.x;
-	const F slope2 = gx * gx + at.gradient.y * at.gradient.y + at.gradient.z * at.gradient.z;
+	const F slope2 = dot(at.gradient, at.gradient);
 	const uint32_t farOutside = F::less(depth + reach, all(0)) & F::less(reach * reach * slope2, depth * depth);
 	const uint32_t away = (outside & F::less(radius, beyond + all(m_search.margin))) | (~outside & farOutside);
 	const uint32_t go = ~F::less(radius, all(0)) & ~away & lanes, element = signBits(child);

@@ -10,6 +10,10 @@ namespace ist::kernels
 {
 /// Number of elements that are treated together, whatever the number of lanes.
 constexpr int kFaceBatch = 16;
+/// Errors up to which two surfaces are taken as flush.
+constexpr float kFlushErrors = 2;
+/// Share of a flush face that counts as cut: whether it is inside is not known, and neighbours err alike.
+constexpr float kFlushCut = 1.6f;
 
 /// Elements, or quarters of elements, that may lie inside the body of a field. All is in the field's frame.
 struct FaceBatch

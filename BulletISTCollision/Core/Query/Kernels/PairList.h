@@ -7,7 +7,6 @@
 // groups are known.
 namespace
 {
-
 /// Calls `visit(column, lanes)` for each column of a list.
 template <Terms terms, class Visit> IST_INLINE void forEachListed(const Lenses& l, const Visit& visit)
 {

@@ -36,7 +36,7 @@ public:
 	/// Adds those of the samples that the field does not match, and fits their cells again. Returns their number.
 	size_t addMisfits(const std::vector<DepthSample>& samples);
 
-	/// The same for points of the surface in every cell.
+	/// Adds points of the surface in every cell that the field does not match, in the same way.
 	size_t addMisfitsOfSurface(const Mesh& mesh);
 
 	size_t cellCount() const { return m_parts.size(); }

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/QueryWorkspaceState.h"
 #include "tests/unit/Core/Query/FaceReference.h"
+#include "tests/unit/Core/Query/SurfaceBodies.h"
 #include "tests/unit/CountingAllocator.h"
 
 #include <gtest/gtest.h>
@@ -21,17 +22,6 @@ using namespace ist;
 
 namespace
 {
-constexpr double kPi = std::numbers::pi;
-
-BodySurface surfaceOf(const Mesh& mesh, int64_t size)
-{
-	BodySurfaceOptions options;
-	options.cells = options.elements = size;
-	Result<BodySurface> body = buildBodySurface(MeshDistance(mesh), options);
-	EXPECT_TRUE(body) << body.error().message;
-	return std::move(body).value();
-}
-
 struct NamedBody
 {
 	std::string name;
@@ -44,14 +34,6 @@ const std::vector<NamedBody>& bodies()
 		{"box", surfaceOf(makeBoxMesh({0.2, 0.15, 0.1}), 300)}, {"cone", surfaceOf(makeConeMesh(0.15, 0.3), 800)},
 		{"ball", surfaceOf(makeSphereMesh(0.15, 4), 600)}};
 	return all;
-}
-
-Pose randomPose(std::mt19937& random, double size)
-{
-	std::uniform_real_distribution<double> u(-1, 1);
-	const Vec3 axis = normalized(Vec3{u(random), u(random), u(random)});
-	const double angle = kPi * u(random), s = std::sin(angle / 2);
-	return {rotationMatrix({s * axis.x, s * axis.y, s * axis.z, std::cos(angle / 2)}), size * Vec3{u(random), u(random), u(random)}};
 }
 
 /// Pose of the second of two bodies in the first, both of which lie around `place`.

@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/Query/SurfaceOverlap.h"
 
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "tests/unit/Core/Query/SurfaceBodies.h"
 #include "tests/unit/CountingAllocator.h"
 
 #include <gtest/gtest.h>
@@ -16,32 +17,8 @@ namespace
 {
 constexpr double kPi = std::numbers::pi;
 
-/// `mesh` must have its center of mass at the origin.
-BodySurface surfaceOf(const Mesh& mesh, int64_t size)
-{
-	BodySurfaceOptions options;
-	options.cells = options.elements = size;
-	Result<BodySurface> body = buildBodySurface(MeshDistance(mesh), options);
-	EXPECT_TRUE(body) << body.error().message;
-	EXPECT_EQ(body.value().validate(), "");
-	return std::move(body).value();
-}
-
 /// Force on A for a stiffness of 1 Pa/m and equal weights.
 Wrench wrenchOf(const OverlapIntegrals& sums) { return 0.5 * (sums.normalB - sums.normalA); }
-
-Mat3 turned(double angle, const Vec3& axis)
-{
-	const double s = std::sin(angle / 2);
-	return rotationMatrix({s * axis.x, s * axis.y, s * axis.z, std::cos(angle / 2)});
-}
-
-Pose randomPose(std::mt19937& random, double size)
-{
-	std::uniform_real_distribution<double> u(-1, 1);
-	const Vec3 axis = normalized(Vec3{u(random), u(random), u(random)});
-	return {turned(kPi * u(random), axis), size * Vec3{u(random), u(random), u(random)}};
-}
 
 class SurfaceOverlapTest : public testing::Test
 {
