@@ -92,7 +92,7 @@ BodySurfaceOptions surfaceOptions(const BuildOptions& options)
 {
 	BodySurfaceOptions surface;
 	const double spheres = double(std::clamp<int64_t>(options.maxSpheres, 1, kMostSpheresForLeaves));
-	surface.cells = surface.elements = int64_t(kPiecesOfThousand * std::sqrt(spheres / 1000));
+	surface.cells = surface.elements = int64_t(kPiecesOfThousand * std::pow(spheres / 1000, spheres < 1000 ? 1.0 / 2 : 1.0 / 3));
 	surface.seed = options.seed;
 	surface.threads = options.threads;
 	surface.progress = options.progress;

@@ -179,7 +179,7 @@ bool Builder::splitAll(const Progress& progress)
 		m_queue.pop();
 		split(index);
 	}
-	return true;
+	return !progress || progress("surface", 1);
 }
 
 /// Writes the nodes and elements of the tree in depth-first order, and widens the balls so that they hold the sheets.

@@ -111,6 +111,15 @@ private:
 };
 }  // namespace
 
+DepthCell::Value DepthCell::at(const Vec3& x) const
+{
+	const Vec3 y{x.x - center[0], x.y - center[1], x.z - center[2]};
+	const float(&h)[6] = hessian;
+	const Vec3 bend{h[0] * y.x + h[3] * y.y + h[4] * y.z, h[3] * y.x + h[1] * y.y + h[5] * y.z, h[4] * y.x + h[5] * y.y + h[2] * y.z};
+	const Vec3 slope{gradient[0], gradient[1], gradient[2]};
+	return {depth + dot(slope, y) + 0.5 * dot(bend, y), slope + bend};
+}
+
 DepthField::Value DepthField::at(const Vec3& x) const
 {
 	const DepthNode *node = nodes.data(), *above = node;
@@ -120,12 +129,8 @@ DepthField::Value DepthField::at(const Vec3& x) const
 		node = &nodes[node->child + (node->beyond(x) > 0 ? 1 : 0)];
 	}
 	if (node->isOutside()) return {-above->beyond(x), -Vec3{above->normal[0], above->normal[1], above->normal[2]}, DepthNode::kOutside};
-	const DepthCell& c = cells[node->cell()];
-	const Vec3 y{x.x - c.center[0], x.y - c.center[1], x.z - c.center[2]};
-	const float(&h)[6] = c.hessian;
-	const Vec3 slope{h[0] * y.x + h[3] * y.y + h[4] * y.z, h[3] * y.x + h[1] * y.y + h[5] * y.z, h[4] * y.x + h[5] * y.y + h[2] * y.z};
-	const Vec3 gradient{c.gradient[0], c.gradient[1], c.gradient[2]};
-	return {c.depth + dot(gradient, y) + 0.5 * dot(slope, y), gradient + slope, node->cell()};
+	const auto [depth, gradient] = cells[node->cell()].at(x);
+	return {depth, gradient, node->cell()};
 }
 
 std::string DepthField::validate() const

@@ -38,6 +38,14 @@ struct DepthCell
 	float hessian[6] = {};   ///< xx, yy, zz, xy, xz, yz [1/m]
 	float error = 0;         ///< root mean square of the difference from the mesh's depth over these samples [m]
 	float radius = 0;        ///< root mean square distance of these samples from the center [m]
+
+	struct Value
+	{
+		double depth;
+		Vec3 gradient;
+	};
+	/// The polynomial and its gradient at x.
+	Value at(const Vec3& x) const;
 };
 
 /// The depth of a body below its surface, as quadratic polynomials over a binary space partition. Depth is positive inside and negative

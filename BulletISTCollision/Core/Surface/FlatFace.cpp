@@ -9,6 +9,9 @@ namespace
 {
 constexpr double kSame = 1e-6;  // relative difference of areas, lengths and right angles that counts as none
 
+// A simpler outline must keep this share of the area.
+constexpr double kLeastKept = 0.5;
+
 // Coordinates are rounded to this share of the radius. Whole numbers make the turns of the hull exact.
 constexpr double kGrid = 0x1p-28;
 
@@ -95,6 +98,8 @@ FacePolygon convexFace(const std::vector<SurfacePiece>& pieces, const SurfaceClu
 	FacePolygon polygon = convexHull(pieces, cluster);
 	if (polygon.size() < 3 || std::fabs(areaOfPolygon(polygon) - cluster.area) > kSame * cluster.area) return {};
 	simplify(polygon, std::max(tolerance, kSame * cluster.radius));
+	// Little is left of a strip that is narrower than the tolerance.
+	if (areaOfPolygon(polygon) < kLeastKept * cluster.area) return {};
 	return polygon;
 }
 

@@ -22,20 +22,6 @@ constexpr double kSlack = 1e-5;
 
 using Voxel = std::array<int, 3>;
 
-Vec3 gradientAt(const DepthCell& c, const Vec3& x)
-{
-	const Vec3 y{x.x - c.center[0], x.y - c.center[1], x.z - c.center[2]};
-	const float(&h)[6] = c.hessian;
-	return {c.gradient[0] + h[0] * y.x + h[3] * y.y + h[4] * y.z, c.gradient[1] + h[3] * y.x + h[1] * y.y + h[5] * y.z,
-		c.gradient[2] + h[4] * y.x + h[5] * y.y + h[2] * y.z};
-}
-
-double depthAt(const DepthCell& c, const Vec3& x)
-{
-	const Vec3 y{x.x - c.center[0], x.y - c.center[1], x.z - c.center[2]}, g{c.gradient[0], c.gradient[1], c.gradient[2]};
-	return c.depth + 0.5 * dot(y, g + gradientAt(c, x));
-}
-
 /// Whether the depth of the cell is negative in all of a region.
 bool isNegative(const DepthCell& cell, const ConvexRegion& region)
 {
@@ -44,7 +30,7 @@ bool isNegative(const DepthCell& cell, const ConvexRegion& region)
 	for (const auto& face : region.faces())
 		for (const Vec3& x : face)
 		{
-			largest = std::max(largest, depthAt(cell, x));
+			largest = std::max(largest, cell.at(x).depth);
 			reach = std::max(reach, norm(x - center));
 		}
 	for (int i = 0; i < 6; ++i) bend += (i < 3 ? 1 : 2) * double(cell.hessian[i]) * cell.hessian[i];

@@ -64,6 +64,7 @@ Result<DepthField> buildDepthField(const MeshDistance& surface, const DepthField
 		most = sampling.stream == kMostRounds ? cells : partition.cellCount() + size_t(kShareOfRest * double(rest));
 		if (!partition.split(most, split)) return cancelled;
 	}
+	if (!split(1)) return cancelled;
 	return partition.field(mesh, sampling.domain);
 }
 }  // namespace ist

@@ -175,6 +175,25 @@ TEST(ContactSurface, SmallTrianglesOfAFlatFaceBecomeTheFace)
 	for (const int64_t asked : {100, 1000}) expectFaces(dividedMesh(box, 0.05), box, 6, asked);
 }
 
+TEST(ContactSurface, FacesThatAreNarrowerThanTheOutlinesToleranceKeepTheirArea)
+{
+	for (const double thickness : {1e-3, 1e-4, 1e-5})
+	{
+		const Mesh plate = placed(makeBoxMesh({0.5, 0.35, thickness / 2}), 2);
+		for (const Mesh& mesh : {plate, dividedMesh(plate, 0.05)})
+		{
+			const ContactSurface surface = surfaceOf(mesh, 200);
+			EXPECT_EQ(surface.validate(), "");
+			double area = 0;
+			for (const SurfaceElement& e : surface.elements) area += e.area;
+			EXPECT_NEAR(area, surfaceArea(plate), 1e-6 * area) << thickness;
+			Vec3 sum;
+			for (const SurfaceElement& e : surface.elements) sum += double(e.area) * load(e.normal);
+			EXPECT_LT(norm(sum), 1e-6) << thickness;
+		}
+	}
+}
+
 TEST(ContactSurface, LongFacesAreCutAcross)
 {
 	const ContactSurface surface = surfaceOf(placed(makeBoxMesh({0.05, 0.04, 2}), 3), 500);
