@@ -41,7 +41,12 @@ ist::Vec3 forceOf(const btISTContact& c) { return ist::pressureWrench(c.total, w
 
 double referenceForce(const btISTContact& c) { return std::max(norm(forceOf(c)), floorOf(c)); }
 
-double motionLimit(const btISTContact& c) { return kShareOfLength * (c.treeA->errorLength() + (c.treeB ? c.treeB->errorLength() : 0)); }
+double motionLimit(const btISTContact& c)
+{
+	const double errors = c.treeA->errorLength() + (c.treeB ? c.treeB->errorLength() : 0);
+	// Contact of surfaces may be shallower than the errors of leaves, and the first order holds for a share of its depth only.
+	return kShareOfLength * (c.total.surfaceVolume > 0 ? std::min(errors, ist::meanDepth(c.total)) : errors);
+}
 }  // namespace
 
 double btISTCachedResult::floorForce(const btISTContact& contact) { return contact.constants.k * floorOf(contact); }
