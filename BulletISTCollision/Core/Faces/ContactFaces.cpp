@@ -83,7 +83,12 @@ private:
 		uint32_t node;
 	};
 
-	void take(const FaceBatch& batch);
+	bool take(const FaceBatch& batch);
+	bool takeUncut(uint32_t element)
+	{
+		addUncut(element);
+		return !m_list.isOverLimit();
+	}
 	void addWhole(const FaceBatch& batch, int k);
 	void addCut(const FaceBatch& batch, int k);
 	void addUncut(uint32_t index);
@@ -121,18 +126,12 @@ private:
 
 void FaceCollector::run(const BodySurface& pressing, const BodySurface& pressed, const QueryKernel& kernel)
 {
-	const QueryTables& tables = pressed.tables;
 	FaceSearch search{};
+	static_cast<FieldTables&>(search) = fieldTablesOf(pressed);
 	search.quads = pressing.tables.quads.data();
 	search.elements = m_elements;
-	search.planes = tables.planes.data();
-	search.starts = tables.starts.data();
-	search.cells = m_cells;
 	for (int i = 0; i < 3; ++i)
 	{
-		search.lower[i] = tables.lower[i];
-		search.voxelsPerLength[i] = tables.voxelsPerLength[i];
-		search.size[i] = tables.size[i];
 		search.domainLower[i] = float(m_domain.lower[i]);
 		search.domainUpper[i] = float(m_domain.upper[i]);
 		search.translation[i] = float(m_X.translation[i]);
@@ -140,9 +139,9 @@ void FaceCollector::run(const BodySurface& pressing, const BodySurface& pressed,
 	}
 	search.margin = float(pressed.field.margin);
 	search.rounding = m_rounding;
-	search.largest = std::min(kLargestRadii * tables.cellRadius, kLargestDepths * m_nodes[0].deepest);
-	search.take = [](void* self, const FaceBatch& batch) { static_cast<FaceCollector*>(self)->take(batch); };
-	search.takeUncut = [](void* self, uint32_t element) { static_cast<FaceCollector*>(self)->addUncut(element); };
+	search.largest = std::min(kLargestRadii * pressed.tables.cellRadius, kLargestDepths * m_nodes[0].deepest);
+	search.take = [](void* self, const FaceBatch& batch) { return static_cast<FaceCollector*>(self)->take(batch); };
+	search.takeUncut = [](void* self, uint32_t element) { return static_cast<FaceCollector*>(self)->takeUncut(element); };
 	search.context = this;
 	kernel.findFaces(search);
 	m_list.counts.nodes += search.nodes;
@@ -151,12 +150,23 @@ void FaceCollector::run(const BodySurface& pressing, const BodySurface& pressed,
 	m_list.dropped += size_t(search.dropped);
 }
 
+/// Spread and second moments of a face from the integrals of (x - center) (s - mean of s) dS and the same with t. e1, e2: derivatives of x
+/// by s and t. normalS, normalT: those of the normal.
+void setSpread(
+	ContactFace& face, const Vec3& byS, const Vec3& byT, const Vec3& e1, const Vec3& e2, const Vec3& normalS, const Vec3& normalT)
+{
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j) face.spread.m[i][j] = byS[i] * normalS[j] + byT[i] * normalT[j];
+	const auto second = [&](int i, int j) { return byS[i] * e1[j] + byT[i] * e2[j]; };
+	face.second = {second(0, 0), second(1, 1), second(2, 2), second(0, 1), second(0, 2), second(1, 2)};
+}
+
 Vec3 vectorOf(const FaceBatch& batch, int column, int k)
 {
 	return {batch.column[column][k], batch.column[column + 1][k], batch.column[column + 2][k]};
 }
 
-void FaceCollector::take(const FaceBatch& batch)
+bool FaceCollector::take(const FaceBatch& batch)
 {
 	for (uint32_t b = batch.faces | batch.cut | batch.planes; b; b &= b - 1)
 	{
@@ -165,6 +175,7 @@ void FaceCollector::take(const FaceBatch& batch)
 		else if (batch.cut >> k & 1) addCut(batch, k);
 		else addUncut(batch.element[k]);
 	}
+	return !m_list.isOverLimit();
 }
 
 /// Adds an element whose integrals the kernel has computed.
@@ -178,10 +189,8 @@ void FaceCollector::addWhole(const FaceBatch& batch, int k)
 	face->pressure = vectorOf(batch, FaceBatch::Pressure, k);
 	face->pressureCenter = vectorOf(batch, FaceBatch::PressureCenter, k);
 	face->gradient = vectorOf(batch, FaceBatch::Gradient, k);
-	const Vec3 byS = vectorOf(batch, FaceBatch::SpreadS, k), byT = vectorOf(batch, FaceBatch::SpreadT, k);
-	const Vec3 normalS = vectorOf(batch, FaceBatch::NormalS, k), normalT = vectorOf(batch, FaceBatch::NormalT, k);
-	for (int i = 0; i < 3; ++i)
-		for (int j = 0; j < 3; ++j) face->spread.m[i][j] = byS[i] * normalS[j] + byT[i] * normalT[j];
+	setSpread(*face, vectorOf(batch, FaceBatch::SpreadS, k), vectorOf(batch, FaceBatch::SpreadT, k), vectorOf(batch, FaceBatch::E1, k),
+		vectorOf(batch, FaceBatch::E2, k), vectorOf(batch, FaceBatch::NormalS, k), vectorOf(batch, FaceBatch::NormalT, k));
 	face->area = batch.column[FaceBatch::Area][k];
 	face->depth = batch.column[FaceBatch::DepthIntegral][k];
 	face->cut = batch.column[FaceBatch::CutArea][k];
@@ -463,11 +472,12 @@ void FaceCollector::keepInside(const ElementPolygon& polygon, const ElementQuadr
 void FaceCollector::addFlushFace(const ElementPolygon& polygon, float depth)
 {
 	const PolygonMoments m = polygon.moments();
-	if (!(m.area > 0)) return;
-	ContactFace* face = m_list.next();
-	if (!face) return;
 	const double s = double(m.s) / m.area, t = double(m.t) / m.area, above = std::clamp(double(depth) + m_flush, 0.0, 2.0 * m_flush);
 	const double inside = m_areaScale * m.area * above / (2 * m_flush), pressed = m_areaScale * m.area * above * above / (4 * m_flush);
+	// Where the depth bends, the middle may lie below all corners, and outside of the other body.
+	if (!(pressed > 0)) return;
+	ContactFace* face = m_list.next();
+	if (!face) return;
 	const Vec3 normal = m_normal + s * m_normalS + t * m_normalT;
 	face->center = face->pressureCenter = m_center + s * m_e1 + t * m_e2;
 	face->areaNormal = inside * normal;
@@ -503,9 +513,7 @@ void FaceCollector::addFace(const ElementPolygon& polygon, const ElementQuadrati
 	face->pressure = w * (integral * m_normal + ds * m_normalS + dt * m_normalT);
 	face->pressureCenter = m_center + (ds / integral) * m_e1 + (dt / integral) * m_e2 + height * m_unitNormal;
 	face->gradient = m_gradient + s * m_gradientS + t * m_gradientT;
-	const Vec3 byS = w * (varS * m_e1 + varST * m_e2), byT = w * (varST * m_e1 + varT * m_e2);
-	for (int i = 0; i < 3; ++i)
-		for (int j = 0; j < 3; ++j) face->spread.m[i][j] = byS[i] * m_normalS[j] + byT[i] * m_normalT[j];
+	setSpread(*face, w * (varS * m_e1 + varST * m_e2), w * (varST * m_e1 + varT * m_e2), m_e1, m_e2, m_normalS, m_normalT);
 	face->area = w * m.area;
 	face->depth = w * integral;
 	face->cut = w * m.area * (1 - share);
@@ -513,6 +521,19 @@ void FaceCollector::addFace(const ElementPolygon& polygon, const ElementQuadrati
 	face->cell = m_cell;
 }
 }  // namespace
+
+kernels::FieldTables fieldTablesOf(const BodySurface& body)
+{
+	const QueryTables& tables = body.tables;
+	FieldTables field{tables.planes.data(), tables.starts.data(), body.field.cells.data(), {}, {}, {}};
+	for (int i = 0; i < 3; ++i)
+	{
+		field.lower[i] = tables.lower[i];
+		field.voxelsPerLength[i] = tables.voxelsPerLength[i];
+		field.size[i] = tables.size[i];
+	}
+	return field;
+}
 
 void collectFaces(const BodySurface& pressing, const BodySurface& pressed, const Pose& X_FS, const QueryKernel& kernel, FaceList& list)
 {

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Base/DemandZeroArray.h"
 #include "BulletISTCollision/Core/Base/Pose.h"
+#include "BulletISTCollision/Core/Base/SymmetricMatrix3.h"
 #include "BulletISTCollision/Core/Surface/BodySurface.h"
 
 #include <cstddef>
@@ -20,6 +21,7 @@ struct ContactFace
 	Vec3 pressureCenter;       ///< centroid of d dS [m]
 	Vec3 gradient;             ///< of d, at the center
 	Mat3 spread = zeroMat3();  ///< integral of (x - center) n^T dS [m^3]
+	SymmetricMatrix3 second;   ///< integral of (x - center) (x - center)^T dS [m^4]; zero for surfaces that lie in each other
 	double area = 0;           ///< [m^2]
 	double depth = 0;          ///< integral of d dS [m^3]
 	double cut = 0;            ///< area times the share of the piece that lies outside of the other body [m^2]; 0 for a whole piece
@@ -43,13 +45,17 @@ struct FaceList
 {
 	DemandZeroArray<ContactFace> faces;
 	size_t count = 0, dropped = 0;
+	size_t most = SIZE_MAX;  ///< with more faces, collectFaces ends early, and the list is useless
 	FaceCounts counts;
 
-	void clear()
+	/// `mostFaces` negative: no limit.
+	void clear(int64_t mostFaces = -1)
 	{
 		count = dropped = 0;
+		most = mostFaces < 0 ? SIZE_MAX : size_t(mostFaces);
 		counts = {};
 	}
+	bool isOverLimit() const { return count + dropped > most; }
 	ContactFace* next()
 	{
 		if (count < faces.size()) return &(faces[count++] = {});
@@ -60,8 +66,11 @@ struct FaceList
 
 namespace kernels
 {
+struct FieldTables;
 struct QueryKernel;
-}
+}  // namespace kernels
+
+kernels::FieldTables fieldTablesOf(const BodySurface& body);
 
 /// Appends the faces of `pressing` inside `pressed`, in the frame of the latter. X_FS: pose of the former's frame in the latter's. All
 /// kernels find the same faces in the same order.
@@ -69,7 +78,7 @@ struct QueryKernel;
 /// The depth is sampled at four points of each element, and a quadratic function of the element's coordinates goes through the samples.
 /// Elements at the rim of the contact that it does not fit are quartered. Elements are cut exactly at the planes of the field's partition
 /// where they are larger than the cells, and where cells without error meet.
-/// No allocation. What does not fit is counted in `FaceList::dropped`. O(faces + log n).
+/// No allocation. What does not fit is counted in `FaceList::dropped`, and `FaceList::most` ends the search. O(faces + log n).
 void collectFaces(
 	const BodySurface& pressing, const BodySurface& pressed, const Pose& X_FS, const kernels::QueryKernel& kernel, FaceList& list);
 }  // namespace ist

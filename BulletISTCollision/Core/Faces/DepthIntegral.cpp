@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Faces/DepthIntegral.h"
 
+#include "BulletISTCollision/Core/Query/Kernels/QueryKernel.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -21,27 +23,48 @@ constexpr double kErrorOfCones = 60, kErrorOfMissing = 0.5, kErrorOfColumns = 0.
 constexpr double kPower = 2.0 / 3, kMostMissed = 1e3;
 /// Cones whose volume is off by more than this factor are not scaled to the exact volume.
 constexpr double kMostScaling = 4;
+/// Cones have no weight while the columns miss a smaller share of the volume than the first, and all of theirs from the second on.
+constexpr double kNoCones = 0.04, kAllCones = 0.08;
 /// Least share of the columns' energy. It keeps the energy positive.
 constexpr double kLeastOfColumns = 0.1;
 
-double depthAt(const DepthField& field, const Vec3& x)
-{
-	for (int axis = 0; axis < 3; ++axis)
-		if (x[axis] < field.domain.lower[axis] || x[axis] > field.domain.upper[axis]) return 0;
-	return std::max(0.0, field.at(x).depth);
-}
+/// Share of the volume that the columns miss, or have in excess.
+double missedShare(double columns, double volume) { return std::fabs(1 - columns / volume); }
 }  // namespace
 
-void DepthIntegral::begin(const Fields& fields, const Vec3& origin, double area)
+ConePoints::ConePoints(size_t most)
+	: m_numbers((most + kernels::kListSlack) * 2 * kColumns),
+	  m_weight(most),
+	  m_part(most),
+	  m_stride(most + kernels::kListSlack)
+{}
+
+void ConePoints::makeResident()
 {
-	*this = {};
-	m_origin = origin;
-	m_reach = kGroupShare * area;
-	m_sides[1].atOrigin = depthAt(*fields.A, origin);
-	m_sides[0].atOrigin = depthAt(*fields.B, fields.X_BA * origin);
+	m_numbers.touch();
+	m_weight.touch();
+	m_part.touch();
 }
 
-void DepthIntegral::add(const Fields& fields, const ContactFace& face, bool isOfB)
+size_t ConePoints::add(const Vec3& point, double weight, uint32_t part)
+{
+	const Vec3 places[2] = {point, m_X_BA * point};
+	for (int body = 0; body < 2; ++body)
+		for (int i = 0; i < 3; ++i) column(body, i)[m_count] = float(places[body][i]);
+	m_weight[m_count] = weight;
+	m_part[m_count] = part;
+	return m_count++;
+}
+
+void ConePoints::sample(const BodySurface& A, const BodySurface& B, const kernels::QueryKernel& kernel)
+{
+	const BodySurface* bodies[2] = {&A, &B};
+	for (int body = 0; body < 2; ++body)
+		kernel.sampleDepths(
+			fieldTablesOf(*bodies[body]), {column(body, 0), column(body, 1), column(body, 2), column(body, 3), int(m_count)});
+}
+
+void DepthIntegral::addColumn(const ContactFace& face, bool isOfB)
 {
 	if (!(face.area > 0)) return;
 	Side& side = m_sides[isOfB];
@@ -51,16 +74,35 @@ void DepthIntegral::add(const Fields& fields, const ContactFace& face, bool isOf
 	const double column = std::max(0.0, dot(face.pressure, face.gradient));
 	side.columns += column;
 	side.energy += 0.5 * column * atPressure;
+}
 
+bool DepthIntegral::needsCones(double volume) const
+{
+	const auto misses = [&](const Side& side) { return missedShare(side.columns, volume) > kNoCones; };
+	return volume > 0 && (misses(m_sides[0]) || misses(m_sides[1]));
+}
+
+void DepthIntegral::beginCones(const Vec3& origin, double area, uint32_t part, ConePoints& points)
+{
+	m_origin = origin;
+	m_reach = kGroupShare * area;
+	m_part = part;
+	m_tip = points.add(origin, 0, part);
+}
+
+void DepthIntegral::addCone(const ContactFace& face, bool isOfB, ConePoints& points)
+{
+	if (!(face.area > 0)) return;
+	Side& side = m_sides[isOfB];
 	Group& group = side.group;
-	if (group.isOpen && !belongs(group, face)) close(fields, group);
+	if (group.isOpen && !belongs(group, face)) close(group, points);
 	if (!group.isOpen) group = {face.center, face.areaNormal / face.area, {}, 0, 0, true};
 	const Mat3& s = face.spread;
 	const double volume = (dot(face.center - m_origin, face.areaNormal) + s.m[0][0] + s.m[1][1] + s.m[2][2]) / 3;
 	group.size += std::fabs(volume);
 	group.moment += std::fabs(volume) * face.center;
 	group.volume += volume;
-	side.cones += kOnFace * volume * mean;
+	side.cones += kOnFace * volume * face.depth / face.area;
 }
 
 bool DepthIntegral::belongs(const Group& group, const ContactFace& face) const
@@ -70,33 +112,44 @@ bool DepthIntegral::belongs(const Group& group, const ContactFace& face) const
 	return squaredNorm(face.center - group.first) <= reach && dot(group.normal, face.areaNormal) > kLeastCosine * face.area;
 }
 
-void DepthIntegral::close(const Fields& fields, Group& group)
+void DepthIntegral::close(Group& group, ConePoints& points)
 {
 	group.isOpen = false;
 	if (!(group.size > 0)) return;
-	const Vec3 x = m_origin + kPoint * (group.moment / group.size - m_origin);
 	++m_count;
 	m_volume += group.volume;
-	m_sides[1].cones += group.volume * (kAtPoint * depthAt(*fields.A, x) + kAtTip * m_sides[1].atOrigin);
-	m_sides[0].cones += group.volume * (kAtPoint * depthAt(*fields.B, fields.X_BA * x) + kAtTip * m_sides[0].atOrigin);
+	points.add(m_origin + kPoint * (group.moment / group.size - m_origin), kAtPoint * group.volume, m_part);
+}
+
+void DepthIntegral::finishCones(ConePoints& points)
+{
+	for (Side& side : m_sides)
+		if (side.group.isOpen) close(side.group, points);
+	points.setWeight(m_tip, kAtTip * m_volume);
+}
+
+void DepthIntegral::addSample(const ConePoints& points, size_t point)
+{
+	m_sides[1].cones += points.weight(point) * points.depthInA(point);
+	m_sides[0].cones += points.weight(point) * points.depthInB(point);
 }
 
 double DepthIntegral::mixed(const Side& side, double volume) const
 {
+	const double columns = side.energy * std::pow(std::min(volume / side.columns, kMostMissed), kPower);
+	if (m_count == 0) return side.columns > 0 ? columns : 0;
 	const bool isScaled = m_volume < kMostScaling * volume && volume < kMostScaling * m_volume;
 	const double cones = std::max(0.0, side.cones) * (isScaled ? volume / m_volume : 1);
-	if (!(side.columns > 0) || m_count == 0) return cones;
-	const double columns = side.energy * std::pow(std::min(volume / side.columns, kMostMissed), kPower);
-	const double ofCones = kErrorOfCones / std::pow(double(m_count), 1.5),
-				 ofColumns = kErrorOfColumns + kErrorOfMissing * std::fabs(1 - side.columns / volume);
-	const double weight = ofCones * ofCones / (ofCones * ofCones + ofColumns * ofColumns);
-	return std::max(weight * columns + (1 - weight) * cones, kLeastOfColumns * columns);
+	if (!(side.columns > 0)) return cones;
+	const double missed = missedShare(side.columns, volume);
+	const double ofCones = kErrorOfCones / std::pow(double(m_count), 1.5), ofColumns = kErrorOfColumns + kErrorOfMissing * missed;
+	const double share = std::clamp((missed - kNoCones) / (kAllCones - kNoCones), 0.0, 1.0);
+	const double weight = share * ofColumns * ofColumns / (ofCones * ofCones + ofColumns * ofColumns);
+	return std::max((1 - weight) * columns + weight * cones, kLeastOfColumns * columns);
 }
 
-void DepthIntegral::finish(const Fields& fields, double volume)
+void DepthIntegral::finish(double volume)
 {
-	for (Side& side : m_sides)
-		if (side.group.isOpen) close(fields, side.group);
 	for (Side& side : m_sides) side.result = volume > 0 ? mixed(side, volume) : 0;
 }
 }  // namespace ist

@@ -39,7 +39,7 @@ double meanDepth(const OverlapIntegrals& integrals);
 
 /// Constants of the error bar of surfaces, fitted to bench_surface: factors on the errors that the faces add up to, and shares of V that
 /// stay where the surfaces are exact.
-constexpr double kFaceForceError = 0.5, kFaceVolumeError = 1.1, kSurfaceForceError = 0.003, kSurfaceVolumeError = 2e-4;
+constexpr double kFaceForceError = 0.35, kFaceVolumeError = 0.5, kSurfaceForceError = 0.003, kSurfaceVolumeError = 2e-4;
 /// Constants of the error bar of leaves, fitted to bench_truth.
 constexpr double kVolumeError = 0.1, kVolumePower = 1.75, kForceError = 0.105, kForcePower = 1.5, kGapError = 0.04, kLeastAcross = 0.1;
 /// Standard errors of a query's answer. Surfaces have, with the sums E_F^2 = forceVariance and E_V^2 = volumeVariance of the integrals:

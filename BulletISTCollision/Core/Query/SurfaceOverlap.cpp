@@ -7,6 +7,7 @@
 #include "BulletISTCollision/Core/Query/QueryWorkspaceState.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace ist
 {
@@ -20,6 +21,7 @@ constexpr double kLeastOfColumns = 0.3;
 constexpr double kMostOfColumns = 4;
 /// Share of a pressure below which it has no direction, and the rank of such a face (PairStream::Rank).
 constexpr double kNoDirection = 0.1, kLeastRank = 0.001;
+constexpr double kPi = 3.14159265358979323846;
 
 void toFrame(const Pose& X, ContactFace& face)
 {
@@ -29,6 +31,7 @@ void toFrame(const Pose& X, ContactFace& face)
 	face.pressure = X.rotation * face.pressure;
 	face.gradient = X.rotation * face.gradient;
 	face.spread = X.rotation * face.spread * transpose(X.rotation);
+	face.second = rotated(X.rotation, face.second);
 }
 
 /// Volume of the columns from the face along the depth's gradient to the other body's surface [m^3]; too small where these lines
@@ -48,6 +51,21 @@ void addSymmetric(SymmetricMatrix6& K, const double (&a)[6], const double (&b)[6
 		for (int j = i; j < 6; ++j) K.m[entry++] += 0.5 * w * (a[i] * b[j] + a[j] * b[i]);
 }
 
+/// K += w sym(Int (y x a) (y x b)^T dS), which a face adds to the stiffness of rotations about its own center. J = Int y y^T dS.
+void addSpin(SymmetricMatrix6& K, const SymmetricMatrix3& J, const Vec3& a, const Vec3& b, double w)
+{
+	const Vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, rows[3] = {{J.xx, J.xy, J.xz}, {J.xy, J.yy, J.yz}, {J.xz, J.yz, J.zz}};
+	double m[3][3] = {};
+	for (int k = 0; k < 3; ++k)
+	{
+		const Vec3 u = cross(axes[k], a), v = cross(rows[k], b);
+		for (int i = 0; i < 3; ++i)
+			for (int j = 0; j < 3; ++j) m[i][j] += u[i] * v[j];
+	}
+	for (int i = 0; i < 3; ++i)
+		for (int j = i; j < 3; ++j) K(3 + i, 3 + j) += 0.5 * w * (m[i][j] + m[j][i]);
+}
+
 /// Volume of the columns of a face, with the weight of the body whose depth presses there.
 double weightedColumns(const ContactFace& face, double sign, const DampingWeights& weights)
 {
@@ -64,7 +82,9 @@ void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, const
 	sums.areaVector += (0.5 * sign) * n;
 	const Vec3 tn = cross(x, n), tg = cross(x, g);
 	const double G[6] = {n.x, n.y, n.z, tn.x, tn.y, tn.z}, H[6] = {g.x, g.y, g.z, tg.x, tg.y, tg.z};
-	addSymmetric(sign > 0 ? sums.stiffnessA : sums.stiffnessB, G, H, 1);
+	SymmetricMatrix6& stiffness = sign > 0 ? sums.stiffnessA : sums.stiffnessB;
+	addSymmetric(stiffness, G, H, 1);
+	addSpin(stiffness, face.second, n, g, 1 / face.area);
 	// The body whose depth presses moves along its own normals, which the depth's gradient has all along the columns below the face.
 	const double weight = weightedColumns(face, sign, weights);
 	if (weight > 0)
@@ -72,6 +92,7 @@ void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, const
 		const Vec3 tp = cross(p, g);
 		const double P[6] = {g.x, g.y, g.z, tp.x, tp.y, tp.z};
 		addSymmetric(sums.damping, P, P, weight);
+		addSpin(sums.damping, face.second, g, g, weight / face.area);
 	}
 	++sums.pairs;
 }
@@ -90,10 +111,9 @@ struct PressedPlaces
 		columns += 0.5 * columnVolume(face);
 		first += face.depth * face.pressureCenter;
 		addSquare(second, face.pressureCenter, face.depth);
-		// A face is taken as a disc.
-		const double spread = face.depth * face.area / (4 * 3.14159265358979323846);
-		addSquare(second, face.areaNormal / face.area, -spread);
-		for (int i = 0; i < 3; ++i) second[i] += spread;
+		const double mean = face.depth / face.area,
+					 own[6] = {face.second.xx, face.second.yy, face.second.zz, face.second.xy, face.second.xz, face.second.yz};
+		for (int i = 0; i < 6; ++i) second[i] += mean * own[i];
 	}
 	void addTo(OverlapIntegrals& sums) const
 	{
@@ -115,6 +135,7 @@ struct OverlapPart
 	FaceVolume form;
 	double volume = 0, columns = 0, depth = 0, area = 0;
 	DepthIntegral depths;
+	bool hasCones = false;
 };
 }  // namespace
 
@@ -131,13 +152,15 @@ struct SurfaceWorkspace::Implementation
 	std::vector<uint32_t> partOf;    ///< first patch of the part of each patch
 	FaceParts faceParts;
 	DemandZeroArray<uint32_t> firstOfPart;  ///< first patch that was found for each part of the faces
+	ConePoints cones;
 	const QueryKernel* kernel = nullptr;
 
-	explicit Implementation(size_t faces) : faceParts(2 * faces), firstOfPart(2 * faces) {}
+	/// A part has a point more than it has faces.
+	Implementation(size_t faces, size_t mostParts) : faceParts(2 * faces), firstOfPart(2 * faces), cones(2 * faces + mostParts) {}
 };
 
 SurfaceWorkspace::SurfaceWorkspace(size_t faces, int patches, const kernels::QueryKernel* kernel)
-	: m_impl(std::make_unique<Implementation>(faces))
+	: m_impl(std::make_unique<Implementation>(faces, size_t(std::max(1, patches))))
 {
 	Implementation& w = *m_impl;
 	w.kernel = kernel ? kernel : &kPortableKernel;
@@ -168,6 +191,7 @@ void SurfaceWorkspace::makeResident()
 	w.faceParts.makeResident();
 	w.firstOfPart.touch();
 	w.grouper.makeResident();
+	w.cones.makeResident();
 }
 
 namespace
@@ -175,7 +199,24 @@ namespace
 /// How far the surface may be off at a face: the errors of its own description and of the other body's depth [m].
 double errorOf(const ContactSurface& surface, const DepthField& field, const ContactFace& face)
 {
-	return std::hypot(double(surface.elements[face.element].error), double(field.cells[face.cell].error));
+	const double ofSurface = surface.elements[face.element].error, ofField = field.cells[face.cell].error;
+	return std::sqrt(ofSurface * ofSurface + ofField * ofField);
+}
+
+/// Share of a face in the variance of the force for 1 Pa/m [m^6]. All faces in one cell of the field have the cell's error together.
+/// `area`: of all faces that hang together.
+double forceVariance(const ContactSurface& surface, const DepthField& field, const ContactFace& face, double area)
+{
+	const DepthCell& cell = field.cells[face.cell];
+	const double ofSurface = surface.elements[face.element].error, ofField = cell.error;
+	const double ofCell = std::min(area, kPi * double(cell.radius) * cell.radius);
+	return face.area * (ofSurface * ofSurface * face.area + ofField * ofField * std::max(face.area, ofCell));
+}
+
+FaceCounts sumOf(const FaceCounts& a, const FaceCounts& b)
+{
+	return {a.nodes + b.nodes, a.elements + b.elements, a.quarters + b.quarters, a.planes + b.planes, a.cuts + b.cuts, a.cells + b.cells,
+		a.halvings + b.halvings};
 }
 
 /// Groups the faces of both bodies into parts that hang together, and these into patches.
@@ -247,15 +288,18 @@ private:
 }  // namespace
 
 SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const Pose& X_AB, SurfaceWorkspace& workspace,
-	const DampingWeights& damping, int mostPatches)
+	const DampingWeights& damping, int mostPatches, int64_t mostFaces)
 {
 	SurfaceWorkspace::Implementation& work = workspace.implementation();
 	const Pose X_BA = inverse(X_AB);
-	const DepthIntegral::Fields fields{&A.field, &B.field, X_BA};
-	work.ofA.clear();
-	work.ofB.clear();
+	SurfaceOverlap result;
+	work.ofB.clear(mostFaces);
 	collectFaces(B, A, X_AB, *work.kernel, work.ofB);
-	collectFaces(A, B, X_BA, *work.kernel, work.ofA);
+	work.ofA.clear(mostFaces < 0 ? -1 : mostFaces - int64_t(work.ofB.count));
+	if (!work.ofB.isOverLimit()) collectFaces(A, B, X_BA, *work.kernel, work.ofA);
+	result.counts = sumOf(work.ofA.counts, work.ofB.counts);
+	result.isOverLimit = work.ofA.isOverLimit() || work.ofB.isOverLimit();
+	if (result.isOverLimit) return result;
 	for (size_t i = 0; i < work.ofB.count; ++i) work.ofB.faces[i].error = errorOf(B.surface, A.field, work.ofB.faces[i]);
 	for (size_t i = 0; i < work.ofA.count; ++i)
 	{
@@ -267,7 +311,6 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 		for (size_t i = 0; i < work.ofB.count; ++i) function(work.ofB.faces[i], i, 1.0);
 		for (size_t i = 0; i < work.ofA.count; ++i) function(work.ofA.faces[i], work.ofB.count + i, -1.0);
 	};
-	SurfaceOverlap result;
 	const int patches = FaceGrouping(work, mostPatches).group();
 	const float* patchOf = work.grouper.patch();
 	for (size_t p = 0; p < size_t(patches); ++p)
@@ -283,29 +326,45 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	forAll([&](const ContactFace& face, size_t index, double) { partOf(index).form.addCut(face); });
 	for (size_t p = 0; p < size_t(patches); ++p)
 	{
-		FaceVolume& form = work.parts[p].form;
-		form.finish();
-		work.parts[p].depths.begin(fields, form.origin(), form.area());
+		work.parts[p].form.finish();
+		work.parts[p].depths.begin();
 	}
 	forAll([&](const ContactFace& face, size_t index, double sign) {
 		const size_t p = size_t(patchOf[index]);
 		addFace(work.patches[p], face, sign, damping);
-		work.patches[p].forceVariance += face.area * face.area * face.error * face.error;
+		work.patches[p].forceVariance += sign > 0 ? forceVariance(B.surface, A.field, face, partOf(index).form.area())
+												  : forceVariance(A.surface, B.field, face, partOf(index).form.area());
 		work.places[p].add(face, sign, damping);
 		OverlapPart& part = partOf(index);
 		part.volume += part.form.of(face);
 		part.columns += 0.5 * columnVolume(face);
 		part.depth += face.depth;
 		part.area += face.area;
-		part.depths.add(fields, face, sign > 0);
+		part.depths.addColumn(face, sign > 0);
 	});
-	for (size_t p = 0; p < size_t(patches); ++p)
-	{
-		OverlapPart& part = work.parts[p];
-		if (work.partOf[p] != p) continue;
+	const auto forParts = [&](const auto& function) {
+		for (size_t p = 0; p < size_t(patches); ++p)
+			if (work.partOf[p] == p) function(work.parts[p], uint32_t(p));
+	};
+	work.cones.clear(X_BA);
+	forParts([&](OverlapPart& part, uint32_t number) {
 		part.volume = std::max(part.volume, kLeastOfColumns * part.columns);
-		part.depths.finish(fields, part.volume);
+		part.hasCones = part.depths.needsCones(part.volume);
+		if (part.hasCones) part.depths.beginCones(part.form.origin(), part.form.area(), number, work.cones);
+	});
+	if (work.cones.count() > 0)
+	{
+		forAll([&](const ContactFace& face, size_t index, double sign) {
+			OverlapPart& part = partOf(index);
+			if (part.hasCones) part.depths.addCone(face, sign > 0, work.cones);
+		});
+		forParts([&](OverlapPart& part, uint32_t) {
+			if (part.hasCones) part.depths.finishCones(work.cones);
+		});
+		work.cones.sample(A, B, *work.kernel);
+		for (size_t i = 0; i < work.cones.count(); ++i) work.parts[work.cones.part(i)].depths.addSample(work.cones, i);
 	}
+	forParts([&](OverlapPart& part, uint32_t) { part.depths.finish(part.volume); });
 	for (size_t p = 0; p < size_t(patches); ++p)
 	{
 		const OverlapPart& part = work.parts[work.partOf[p]];
@@ -326,9 +385,6 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	result.countA = work.ofA.count;
 	result.countB = work.ofB.count;
 	result.dropped = work.ofA.dropped + work.ofB.dropped;
-	const FaceCounts &a = work.ofA.counts, &b = work.ofB.counts;
-	result.counts = {a.nodes + b.nodes, a.elements + b.elements, a.quarters + b.quarters, a.planes + b.planes, a.cuts + b.cuts,
-		a.cells + b.cells, a.halvings + b.halvings};
 	return result;
 }
 }  // namespace ist

@@ -39,14 +39,15 @@ struct SurfaceOverlap
 	int patchCount = 0;
 	const ContactFace *ofA = nullptr, *ofB = nullptr;  ///< faces of A inside B, and of B inside A
 	size_t countA = 0, countB = 0;
-	size_t dropped = 0;  ///< faces that did not fit into the workspace and are missing from the sums
+	size_t dropped = 0;        ///< faces that did not fit into the workspace and are missing from the sums
+	bool isOverLimit = false;  ///< there are more faces than `mostFaces`: there are no sums
 	FaceCounts counts;
 };
 
 /// Overlap of two bodies from their surfaces. X_AB: pose of B's tree frame in A's. With q the depth and n the outward normal of a body,
 /// Gauss's theorem turns the integrals of the contact law into integrals over the surfaces (docs/model.md):
 ///   Int n_A dV = - Int_(surface of B inside A) q_A n_B dS, and the same with x x n.
-/// Cost: O(faces). No allocation.
+/// `mostFaces`: limit at which the search ends; negative: none. Cost: O(faces). No allocation.
 SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const Pose& X_AB, SurfaceWorkspace& workspace,
-	const DampingWeights& damping = {}, int mostPatches = 1024);
+	const DampingWeights& damping = {}, int mostPatches = 1024, int64_t mostFaces = -1);
 }  // namespace ist

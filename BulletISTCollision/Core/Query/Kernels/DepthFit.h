@@ -33,7 +33,7 @@ struct DepthSamples
 };
 
 /// Walks down the partition from the starts of `count` points at once, which hides the latency of the loads.
-template <int count> IST_INLINE void findParts(const FaceSearch& s, const F3 (&x)[count], Int (&part)[count])
+template <int count> IST_INLINE void findParts(const FieldTables& s, const F3 (&x)[count], Int (&part)[count])
 {
 	_Pragma("GCC unroll 1") for (int p = 0; p < count; ++p) part[p] = startAt(s, x[p]);
 	for (bool open = true; open;)
@@ -48,7 +48,7 @@ template <int count> IST_INLINE void findParts(const FaceSearch& s, const F3 (&x
 }
 
 /// The depth at points. Where nothing of the body is, it is at most zero.
-IST_INLINE DepthLanes depthAt(const FaceSearch& s, Int part, const F3& x)
+IST_INLINE DepthLanes depthAt(const FieldTables& s, Int part, const F3& x)
 {
 	DepthLanes d = depthIn(fetchCells(s, part), x);
 	d.depth = F::select(isOutside(part), F::smaller(d.depth, all(0)), d.depth);

@@ -53,7 +53,7 @@ IST_INLINE F3 moved(const FaceSearch& s, const F3& v)
 }
 
 /// The smallest part of the partition that holds the voxel of each point. Points beyond the domain take the nearest voxel.
-IST_INLINE Int startAt(const FaceSearch& s, const F3& x)
+IST_INLINE Int startAt(const FieldTables& s, const F3& x)
 {
 	const auto voxel = [&](const F& v, int axis) __attribute__((always_inline))
 	{
@@ -64,7 +64,7 @@ IST_INLINE Int startAt(const FaceSearch& s, const F3& x)
 }
 
 /// Two levels down the partition, where the part is not yet a cell.
-IST_INLINE void descend(const FaceSearch& s, Int& part, const F3& x)
+IST_INLINE void descend(const FieldTables& s, Int& part, const F3& x)
 {
 	alignas(64) uint32_t index[kLanes];
 	storeIndices(part > 0 ? part : 0, index);
@@ -91,7 +91,7 @@ struct CellLanes
 	F6 hessian;
 };
 
-IST_INLINE CellLanes fetchCells(const FaceSearch& s, Int part)
+IST_INLINE CellLanes fetchCells(const FieldTables& s, Int part)
 {
 	alignas(64) uint32_t index[kLanes];
 	storeIndices(cellOf(part), index);

@@ -40,7 +40,7 @@ public:
 	void run()
 	{
 		m_stack[m_top++] = 0;
-		while (m_top > 0)
+		while (m_top > 0 && !m_search.isEnded)
 		{
 			const int count = m_top < kNodesPerVisit ? m_top : kNodesPerVisit;
 			m_top -= count;
@@ -68,7 +68,7 @@ private:
 	void clearBatch() { m_batch.faces = m_batch.cut = m_batch.planes = 0; }
 	void sendBatch()
 	{
-		if (m_batch.faces | m_batch.cut | m_batch.planes) m_search.take(m_search.context, m_batch);
+		if ((m_batch.faces | m_batch.cut | m_batch.planes) && !m_search.take(m_search.context, m_batch)) m_search.isEnded = true;
 	}
 	IST_INLINE void put(int column, int first, const F& f) { f.store(m_batch.column[column] + first); }
 	IST_INLINE void put(int column, int first, const F3& f)
@@ -148,7 +148,8 @@ __attribute__((noinline)) void FaceFinder::visit(const uint32_t* nodes, int coun
 	else m_search.dropped += inner.count();
 	candidates.move(index, m_candidates.index + m_candidates.count);
 	m_candidates.count += candidates.count();
-	for (uint32_t b = uncut; b; b &= b - 1) m_search.takeUncut(m_search.context, index[__builtin_ctz(b)]);
+	for (uint32_t b = uncut; b; b &= b - 1)
+		if (!m_search.takeUncut(m_search.context, index[__builtin_ctz(b)])) m_search.isEnded = true;
 }
 
 void FaceFinder::sampleAll()
@@ -252,6 +253,8 @@ template <bool isQuarter> __attribute__((noinline)) void FaceFinder::sampleLanes
 	m_batch.faces |= (whole | within | simple) << first;
 	m_batch.cut |= cut << first;
 	put(FaceBatch::Gradient, first, samples.gradient);
+	put(FaceBatch::E1, first, e.e1);
+	put(FaceBatch::E2, first, e.e2);
 	put(FaceBatch::NormalS, first, e.normalS);
 	put(FaceBatch::NormalT, first, e.normalT);
 	if (cut) putFrame(first, e, fit, flush);
@@ -273,8 +276,6 @@ template <bool isQuarter> __attribute__((noinline)) void FaceFinder::sampleLanes
 IST_INLINE void FaceFinder::putFrame(int first, const ElementLanes& e, const DepthFit& fit, const F& flush)
 {
 	put(FaceBatch::Center, first, e.center);
-	put(FaceBatch::E1, first, e.e1);
-	put(FaceBatch::E2, first, e.e2);
 	put(FaceBatch::Normal, first, e.normal);
 	put(FaceBatch::Unit, first, e.unit);
 	put(FaceBatch::K11, first, e.k11);
@@ -328,4 +329,23 @@ IST_INLINE void FaceFinder::putFlush(int first, const ElementLanes& e, const F& 
 }
 
 void findFaces(FaceSearch& search) { FaceFinder(search).run(); }
+
+void sampleDepths(const FieldTables& field, const DepthPoints& points)
+{
+	constexpr int kAtOnce = 4;
+	for (int i = 0; i < points.count; i += kAtOnce * kLanes)
+	{
+		const int vectors = (points.count - i + kLanes - 1) / kLanes;
+		F3 x[kAtOnce];
+		Int part[kAtOnce];
+		for (int p = 0; p < kAtOnce; ++p)
+		{
+			const int at = i + (p < vectors ? p * kLanes : 0);
+			x[p] = {F::load(points.x + at), F::load(points.y + at), F::load(points.z + at)};
+		}
+		findParts(field, x, part);
+		for (int p = 0; p < kAtOnce && p < vectors; ++p)
+			F::larger(all(0), depthAt(field, part[p], x[p]).depth).store(points.depth + i + p * kLanes);
+	}
+}
 }  // namespace

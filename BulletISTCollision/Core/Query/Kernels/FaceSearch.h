@@ -18,7 +18,8 @@ constexpr float kFlushCut = 1.6f;
 /// Elements, or quarters of elements, that may lie inside the body of a field. All is in the field's frame.
 struct FaceBatch
 {
-	/// The frame and the depth as a quadratic function of the coordinates (s, t), for `cut`; and then the sums of faces, for `faces`.
+	/// The frame and the depth as a quadratic function of the coordinates (s, t), for `cut`, and then the sums of faces, for `faces`, which
+	/// have the edges E1 and E2, too.
 	enum Column
 	{
 		Center,
@@ -53,25 +54,40 @@ struct FaceBatch
 	uint32_t planes;  ///< bit k: element k must be cut at the planes of the partition
 };
 
-/// Finds the elements of a surface that may lie inside the body of a field.
-struct FaceSearch
+/// The tables of a field (QueryTables), and its cells.
+struct FieldTables
 {
-	const SurfaceQuad* quads;
-	const SurfaceElement* elements;
 	const PlaneTriple* planes;
 	const PartRef* starts;
 	const DepthCell* cells;
 	float lower[3], voxelsPerLength[3];  ///< of the grid of `starts`
 	int32_t size[3];
+};
+
+/// Points in the field's frame, and the depth at each; zero where the body is not. Whole vectors are read and written: kListSlack entries
+/// (QueryKernel.h) behind the end.
+struct DepthPoints
+{
+	const float *x, *y, *z;
+	float* depth;
+	int count;
+};
+
+/// Finds the elements of a surface that may lie inside the body of a field.
+struct FaceSearch : FieldTables
+{
+	const SurfaceQuad* quads;
+	const SurfaceElement* elements;
 	float domainLower[3], domainUpper[3];
 	float margin, rounding, largest;  ///< margin of the domain; depth that counts as rounding; largest radius of elements that are sampled
 	float rotation[9], translation[3];  ///< pose of the surface's frame in the field's
-	/// Receives a batch with a bit set.
-	void (*take)(void* context, const FaceBatch& batch);
-	/// Receives an element that must be cut at the domain and at the planes of the partition.
-	void (*takeUncut)(void* context, uint32_t element);
+	/// Receives a batch with a bit set. Returns false to end the search.
+	bool (*take)(void* context, const FaceBatch& batch);
+	/// Receives an element that must be cut at the domain and at the planes of the partition. Returns false to end the search.
+	bool (*takeUncut)(void* context, uint32_t element);
 	void* context;
 	int64_t nodes, sampled, quarters;  ///< counts of work
 	int64_t dropped;                   ///< nodes that did not fit on the stack
+	bool isEnded;
 };
 }  // namespace ist::kernels

@@ -9,5 +9,5 @@
 
 namespace ist::kernels
 {
-const QueryKernel IST_KERNEL{search, cull, evaluate, refine, sumGroup, joinCone, joinNearest, findFaces};
+const QueryKernel IST_KERNEL{search, cull, evaluate, refine, sumGroup, joinCone, joinNearest, findFaces, sampleDepths};
 }

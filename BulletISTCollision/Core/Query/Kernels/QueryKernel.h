@@ -205,6 +205,8 @@ struct QueryKernel
 	void (*joinNearest)(const PairStream& stream, GroupNumber* groups, int count, const PatchList& list);
 	/// Finds the elements of a surface inside a body (ContactFaces.cpp).
 	void (*findFaces)(FaceSearch& search);
+	/// Depths at points (DepthIntegral.cpp).
+	void (*sampleDepths)(const FieldTables& field, const DepthPoints& points);
 };
 
 extern const QueryKernel kPortableKernel;

@@ -181,6 +181,47 @@ TEST_F(SurfaceOverlapTest, StiffnessIsTheDerivativeOfTheForce)
 	}
 }
 
+TEST_F(SurfaceOverlapTest, TiltStiffnessIsTheDerivativeOfTheTorque)
+{
+	const BodySurface torus = surfaceOf(makeTorusMesh(0.2, 0.08), 2000), table = surfaceOf(makeBoxMesh({0.5, 0.5, 0.2}), 300),
+					  box = surfaceOf(makeBoxMesh({0.2, 0.1, 0.1}), 300);
+	struct Case
+	{
+		const BodySurface &A, &B;
+		Pose X;
+		double tolerance;
+	};
+	// The faces of boxes are few and large: one face has the whole stiffness.
+	const Case cases[] = {{table, box, {turned(0.4, {0, 0, 1}), {0.03, 0.05, 0.295}}, 0.01},
+		{box, table, {turned(0.4, {0, 0, 1}), {0.03, 0.05, -0.295}}, 0.01}, {box, box, {turned(1.6, {0, 0, 1}), {0.02, 0.01, 0.19}}, 0.03},
+		{torus, box, {turned(0.3, {1, 0, 0}), {0.15, 0, 0.15}}, 0.05}, {table, torus, {turned(0.02, {1, 0, 0}), {0, 0, 0.27}}, 0.05}};
+	for (const Case& c : cases)
+	{
+		const SurfaceOverlap found = overlap(c.A, c.B, c.X);
+		const OverlapIntegrals total = found.total;
+		ASSERT_GT(total.volume, 0);
+		double difference = 0, size = 0;
+		constexpr double kAngle = 1e-5;
+		for (int axis = 0; axis < 3; ++axis)
+		{
+			// Turning A by an angle turns B back, about A's origin.
+			Vec3 unit;
+			unit[axis] = 1;
+			const auto torque = [&](double angle) {
+				const Pose X{turned(-angle, unit) * c.X.rotation, turned(-angle, unit) * c.X.translation};
+				const Wrench w = wrenchOf(overlap(c.A, c.B, X).total);
+				return turned(angle, unit) * w.torque;
+			};
+			// About the torque's own axis: besides, the torque turns with A.
+			const double slope = (torque(kAngle) - torque(-kAngle))[axis] / (2 * kAngle);
+			const double k = -0.5 * (total.stiffnessA(3 + axis, 3 + axis) + total.stiffnessB(3 + axis, 3 + axis));
+			difference += (slope - k) * (slope - k);
+			size += slope * slope;
+		}
+		EXPECT_LT(std::sqrt(difference), c.tolerance * std::sqrt(size)) << &c - cases;
+	}
+}
+
 TEST_F(SurfaceOverlapTest, DepthOfFlatContactAgreesWithTheClosedForm)
 {
 	const BodySurface table = surfaceOf(makeBoxMesh({0.5, 0.5, 0.2}), 300), box = surfaceOf(makeBoxMesh({0.2, 0.2, 0.1}), 300);
@@ -320,6 +361,27 @@ TEST_F(SurfaceOverlapTest, FacesThatDoNotFitAreCounted)
 	const size_t count = all.countA + all.countB;
 	const SurfaceOverlap few = surfaceOverlap(A, A, X, small);
 	EXPECT_EQ(few.countA + few.countB + few.dropped, count);
+}
+
+TEST_F(SurfaceOverlapTest, ALimitOfFacesEndsTheSearch)
+{
+	const BodySurface torus = surfaceOf(makeTorusMesh(0.5, 0.2), 1000);
+	const Pose X{turned(0.3, {0, 1, 0}), {0.05, 0.02, 0.01}};
+	const SurfaceOverlap whole = surfaceOverlap(torus, torus, X, m_workspace);
+	const int64_t faces = int64_t(whole.countA + whole.countB);
+	ASSERT_GT(faces, 500);
+	const SurfaceOverlap just = surfaceOverlap(torus, torus, X, m_workspace, {}, 8, faces);
+	EXPECT_FALSE(just.isOverLimit);
+	EXPECT_EQ(just.total.volume, whole.total.volume);
+	// The last face may be of A or of B.
+	for (const int64_t most : {faces - 1, int64_t(whole.countB) - 1, int64_t(50), int64_t(0)})
+	{
+		const SurfaceOverlap over = surfaceOverlap(torus, torus, X, m_workspace, {}, 8, most);
+		EXPECT_TRUE(over.isOverLimit) << most;
+		EXPECT_EQ(over.total.pairs, 0) << most;
+		EXPECT_EQ(over.countA + over.countB, 0U) << most;
+		EXPECT_LT(over.counts.elements, most > 50 ? whole.counts.elements + 1 : whole.counts.elements / 3) << most;
+	}
 }
 
 TEST_F(SurfaceOverlapTest, AllocatesNothing)
