@@ -17,13 +17,8 @@ namespace
 /// Thresholds in pairs of leaves of the last step. kWorthCopying: from this size on (some microseconds of query), a query is worth a copy
 /// of its contact. kWorthSharing: from this sum on (some tens of microseconds), all queries except the largest are worth a second thread.
 constexpr int64_t kWorthCopying = 64, kWorthSharing = 512;
-/// A face of a surface takes as long as this many pairs of leaves.
-constexpr int64_t kPairsOfAFace = 16;
 /// Shortest time for which the owner waits for a query that another thread has begun [us].
 constexpr double kShortestWait = 20;
-
-/// Cost of a contact's query, in pairs of leaves.
-int64_t costOf(const ist::OverlapIntegrals& total) { return (total.surfaceVolume > 0 ? kPairsOfAFace : 1) * total.pairs; }
 }  // namespace
 
 btISTQueryThreads::btISTQueryThreads(int threads, const ist::QueryCapacity& capacity, double spinMicroseconds)
@@ -93,7 +88,7 @@ void btISTQueryThreads::gather(const btISTContactStore& store, btDispatcher& dis
 	int64_t sum = 0, largest = 0;
 	for (btISTContact* contact : store.contacts())
 	{
-		const int64_t cost = costOf(contact->total);
+		const int64_t cost = ist::costInPairs(contact->total);
 		if (cost < kWorthCopying || !contact->canPrefetch || contact->detectionPass + 1 != m_pass || contact->use != btISTCachedResult::Ask)
 			continue;
 		if (!dispatcher.needsCollision(contact->bodyA, contact->bodyB)) continue;

@@ -54,9 +54,24 @@ double forceErrorBound(const InnerSphereTree& A, const InnerSphereTree& B, int l
 	return V * std::hypot(std::sqrt(ofBalls), kOfGaps * gaps);
 }
 
+namespace
+{
+/// Surfaces answer in less time than leaves with more balls per element than this. A level counts only where it saves time: with
+/// bodies that are few large faces the leaves of all levels would take longer.
+constexpr double kBallsPerElement = 2;
+
+bool savesTime(const InnerSphereTree& A, const InnerSphereTree& B, int level)
+{
+	if (A.surface.empty() || B.surface.empty()) return true;
+	const LevelPair trees = levelOf(A, B, level);
+	return double(trees.treeA->slotCount() + trees.treeB->slotCount()) <
+		kBallsPerElement * double(A.surface.surface.elements.size() + B.surface.surface.elements.size());
+}
+}  // namespace
+
 int chooseLevel(const InnerSphereTree& A, const InnerSphereTree& B, const ContactSeen& seen, double error)
 {
-	for (int level = levelCount(A, B); level > 0; --level)
+	for (int level = levelCount(A, B); level > 0 && savesTime(A, B, level); --level)
 		if (shareOfTrueForce(forceErrorBound(A, B, level, seen), seen.force, forceFloor(A, B)) <= error) return level;
 	return 0;
 }
@@ -70,7 +85,8 @@ int nextLook(const InnerSphereTree& A, const InnerSphereTree& B, int level, cons
 	ContactSeen hoped = seen;
 	hoped.force += kHope * forceErrorBound(A, B, level, seen);
 	const int sure = std::min(chooseLevel(A, B, seen, error), level - 1), coarsest = std::min(chooseLevel(A, B, hoped, error), level - 1);
-	return coarsest - sure < kWorthALook ? sure : coarsest;
+	const int next = coarsest - sure < kWorthALook ? sure : coarsest;
+	return next > 0 && savesTime(A, B, next) ? next : 0;
 }
 }  // namespace
 

@@ -30,8 +30,8 @@ double forceFloor(const InnerSphereTree& A, const InnerSphereTree& B);
 /// Where surfaces answer (level 0 of two bodies that have one), the error bound is twice the standard error (overlapError).
 double forceErrorBound(const InnerSphereTree& A, const InnerSphereTree& B, int level, const ContactSeen& seen);
 
-/// The coarsest level of the pair whose error bound is within `error` (0 to 1) of the force or of the floor. If no
-/// level is, the result is 0, the leaves. Makes no queries; cost: O(levels^2).
+/// The coarsest level of the pair whose error bound is within `error` (0 to 1) of the force or of the floor, and which takes less time
+/// than the bodies' surfaces, if they have some. If there is none, the result is 0. Makes no queries; cost: O(levels^2).
 int chooseLevel(const InnerSphereTree& A, const InnerSphereTree& B, const ContactSeen& seen, double error);
 
 /// Accepted error of the force, and the level at which to begin.

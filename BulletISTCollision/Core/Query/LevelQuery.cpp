@@ -29,10 +29,11 @@ SurfaceAnswer querySurfaces(const BodySurface& A, const BodySurface& B, const Po
 	const QueryOptions& options, const QueryLimits& limits, OverlapResult& result)
 {
 	const int most = options.patches ? limits.patches : 1;
-	const SurfaceOverlap found = surfaceOverlap(A, B, X, *work.surfaces, options.damping, most);
+	const int64_t mostFaces = limits.pairs < 0 ? -1 : limits.pairs / kPairsPerFace;
+	const SurfaceOverlap found = surfaceOverlap(A, B, X, *work.surfaces, options.damping, most, mostFaces);
 	result.nodeVisits = found.counts.nodes;
 	result.ballTests = found.counts.planes;
-	if (limits.pairs >= 0 && found.total.pairs + int64_t(found.dropped) > limits.pairs) return SurfaceAnswer::OverLimit;
+	if (found.isOverLimit) return SurfaceAnswer::OverLimit;
 	if (found.dropped > 0) return SurfaceAnswer::Incomplete;
 	result.total = found.total;
 	result.patchCount = found.patchCount;
@@ -141,12 +142,12 @@ OverlapResult BudgetedQuery::run()
 {
 	const int coarsest = std::max(m_finest, levelCount(m_A, m_B));
 	OverlapResult best, next;
-	// Surfaces often have fewer faces than any level has pairs, so they are asked first.
+	// Surfaces are the most accurate, and they often cost less than any level, so they are asked first.
 	const bool asksSurfaces = answerSurfaces(m_A, m_B, m_options, m_finest);
 	double ofSurfaces = 0;
 	if (asksSurfaces && queryLevel(m_finest, best))
 	{
-		ofSurfaces = m_options.blend && coarsest > 0 ? (1 - double(best.total.pairs) / double(m_pairs)) / (1 - kFadeBegin) : 1;
+		ofSurfaces = m_options.blend && coarsest > 0 ? (1 - double(costInPairs(best.total)) / double(m_pairs)) / (1 - kFadeBegin) : 1;
 		if (ofSurfaces >= 1) return best;
 	}
 	if (asksSurfaces && coarsest > 0) m_finest = 1;

@@ -57,7 +57,8 @@ struct OverlapIntegrals
 	double depthA = 0, depthB = 0;  ///< sum dd L (q_i - m_i(c_i).(C - c_i)), and the sum with j for i: Int depth dV [m^4]
 	double surfaceVolume = 0;       ///< part of `volume` that comes from surfaces [m^3]; leaves gave the rest
 	/// Squared errors of the surfaces' part, for the error bar [m^6]: of the force for 1 Pa/m, the sum over faces of (area times error of
-	/// the surface)^2; and of the volume, which adds those of the cuts where the surfaces cross.
+	/// the surface)^2, where all faces in one cell of the field share its error; and of the volume, which adds those of the cuts where the
+	/// surfaces cross.
 	double forceVariance = 0, volumeVariance = 0;
 	int64_t pairs = 0;  ///< number of intersecting pairs of balls, or of faces
 
@@ -65,6 +66,14 @@ struct OverlapIntegrals
 	/// Multiplies everything by `factor`, except the number of pairs.
 	void scale(double factor);
 };
+
+/// A face of a surface takes as long as this many pairs of leaves. Budgets count it so.
+constexpr int64_t kPairsPerFace = 12;
+/// Time of the query that gave the integrals, in pairs of leaves.
+inline int64_t costInPairs(const OverlapIntegrals& integrals)
+{
+	return (integrals.surfaceVolume > 0 ? kPairsPerFace : 1) * integrals.pairs;
+}
 
 /// What represents a body in a query.
 enum class Model
@@ -94,8 +103,8 @@ struct QueryOptions
 	/// Only with Model::Law.
 	int level = -1;
 	/// Pair budget, if not negative. The answer comes from the finest level found, from `level` on, that has at most this many
-	/// intersecting pairs. A few levels are tried, and each traversal ends at the budget. Together they find less than three times the
-	/// budget. Only with Model::Law.
+	/// intersecting pairs; of surfaces, at most a kPairsPerFace-th of it faces. A few levels are tried, and each traversal ends at the
+	/// budget. Together they find less than three times the budget. Only with Model::Law.
 	int64_t maxPairs = -1;
 	/// Blends levels within a budget, so that the force does not jump where the level changes. At most two levels share the answer,
 	/// with shares that follow the number of pairs; both are within the budget. All traversals together find less than four times the

@@ -3,6 +3,8 @@
 
 #include "BulletISTCollision/Core/Accuracy/AdaptiveLevel.h"
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 #include "tests/unit/Core/Accuracy/LevelledClouds.h"
 #include "tests/unit/CountingAllocator.h"
@@ -57,6 +59,32 @@ TEST(ForceErrorBound, ChoosesTheCoarsestLevelThatKeepsIt)
 		};
 		for (int level = chosen + 1; level <= levelCount(bodyA(), bodyB()); ++level) EXPECT_FALSE(keeps(level));
 		EXPECT_TRUE(chosen == 0 || keeps(chosen));
+	}
+}
+
+TEST(ForceErrorBound, LevelsThatTakeLongerThanSurfacesAreLeftOut)
+{
+	BuildOptions options;
+	options.maxSpheres = 2000;
+	options.surface = true;
+	// A box has six elements however many spheres it has, a torus more than a thousand.
+	for (const bool isBox : {true, false})
+	{
+		const Mesh mesh = isBox ? makeBoxMesh({0.2, 0.1, 0.15}) : makeTorusMesh(0.2, 0.08);
+		InnerSphereTree body = buildTree(translated(mesh, {3, -2, 1}), options).value();
+		body.levels = buildLevels(body.law);
+		InnerSphereTree leaves = body;
+		leaves.surface = {};
+		const double V = 0.1 * body.volume;
+		const ContactSeen seen{V, 0.7 * V, std::pow(V, 2.0 / 3)};
+		int coarse = 0;
+		for (const double error : {0.05, 0.1, 0.2, 0.3, 0.5})
+		{
+			const int level = chooseLevel(body, body, seen, error), ofLeaves = chooseLevel(leaves, leaves, seen, error);
+			EXPECT_EQ(level, isBox ? 0 : ofLeaves) << error;
+			coarse += ofLeaves > 0;
+		}
+		EXPECT_GT(coarse, 2) << isBox;
 	}
 }
 

@@ -50,7 +50,7 @@ Leap leapAlongPath(const InnerSphereTree& A, const InnerSphereTree& B, bool blen
 		const Vec3 exact = forceOf(queryOverlap(A, B, X, workspace, full));
 		const OverlapResult r = queryOverlap(A, B, X, workspace, limited);
 		EXPECT_EQ(r.status, QueryStatus::Ok);
-		EXPECT_LE(r.total.pairs, budget);
+		EXPECT_LE(r.levelShare == 1 ? costInPairs(r.total) : r.total.pairs, budget);
 		const Vec3 force = forceOf(r);
 		leap.blended += r.levelShare < 1;
 		if (levelBefore >= 0)
@@ -79,6 +79,32 @@ TEST(QueryBudget, LevelsFadeIntoEachOtherAlongAPath)
 	EXPECT_LT(faded.most, 0.01);
 	EXPECT_EQ(sudden.blended, 0);
 	EXPECT_GT(sudden.most, 0.04);
+}
+
+TEST(QueryBudget, AFaceCountsAsManyPairsAsItTakesTime)
+{
+	BuildOptions options;
+	options.maxSpheres = 500;
+	options.surface = true;
+	InnerSphereTree A = buildTree(translated(makeTorusMesh(0.5, 0.2, 48, 24), {3, 4, 5}), options).value();
+	A.levels = buildLevels(A.law);
+	QueryWorkspace workspace;
+	const Pose X = shifted({0.5, 0.1, 0.1}, {0.3, 1, 0.2}, A, A);
+	const OverlapResult full = queryOverlap(A, A, X, workspace);
+	ASSERT_GT(full.total.surfaceVolume, 0);
+	QueryOptions limited;
+	limited.maxPairs = kPairsPerFace * full.total.pairs;
+	EXPECT_EQ(costInPairs(full.total), limited.maxPairs);
+	const OverlapResult just = queryOverlap(A, A, X, workspace, limited);
+	EXPECT_FALSE(just.coarsened);
+	EXPECT_EQ(just.total.volume, full.total.volume);
+	--limited.maxPairs;
+	const OverlapResult beyond = queryOverlap(A, A, X, workspace, limited);
+	EXPECT_TRUE(beyond.coarsened);
+	EXPECT_EQ(beyond.total.surfaceVolume, 0);
+	EXPECT_GT(beyond.level, 0);
+	EXPECT_LE(beyond.total.pairs, limited.maxPairs);
+	EXPECT_NEAR(beyond.total.volume, full.total.volume, 0.1 * full.total.volume);
 }
 
 TEST(QueryBudget, ABlendKeepsTheBudgetAndIsTheMeanOfItsLevels)
