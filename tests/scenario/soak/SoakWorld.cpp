@@ -23,8 +23,8 @@ bool isFinite(const btVector3& v) { return std::isfinite(double(v.x())) && std::
 }  // namespace
 
 Solids::Solids()
-	: cube(ist::makeBoxMesh({0.4, 0.4, 0.4}), kSpheres),
-	  ring(ist::makeTorusMesh(0.45, 0.18, 16, 10), 2 * kSpheres),
+	: cube(ist::makeBoxMesh({0.4, 0.4, 0.4}), kSpheres, true),
+	  ring(ist::makeTorusMesh(0.45, 0.18, 16, 10), 2 * kSpheres, true),
 	  cone(ist::makeConeMesh(0.45, 0.9, 16), kSpheres),
 	  ringTriangles(ring.mesh)
 {
