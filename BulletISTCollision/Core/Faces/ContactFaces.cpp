@@ -83,12 +83,8 @@ private:
 		uint32_t node;
 	};
 
-	bool take(const FaceBatch& batch);
-	bool takeUncut(uint32_t element)
-	{
-		addUncut(element);
-		return !m_list.isOverLimit();
-	}
+	void take(const FaceBatch& batch);
+	void takeUncut(uint32_t element);
 	void addWhole(const FaceBatch& batch, int k);
 	void addCut(const FaceBatch& batch, int k);
 	void addUncut(uint32_t index);
@@ -109,6 +105,7 @@ private:
 	const Pose& m_X;
 	const float m_rounding;
 	FaceList& m_list;
+	FaceSearch m_search{};
 
 	// The element at hand, or a quarter of one, in the field's frame.
 	uint32_t m_index = 0;
@@ -126,7 +123,7 @@ private:
 
 void FaceCollector::run(const BodySurface& pressing, const BodySurface& pressed, const QueryKernel& kernel)
 {
-	FaceSearch search{};
+	FaceSearch& search = m_search;
 	static_cast<FieldTables&>(search) = fieldTablesOf(pressed);
 	search.quads = pressing.tables.quads.data();
 	search.elements = m_elements;
@@ -140,8 +137,8 @@ void FaceCollector::run(const BodySurface& pressing, const BodySurface& pressed,
 	search.margin = float(pressed.field.margin);
 	search.rounding = m_rounding;
 	search.largest = std::min(kLargestRadii * pressed.tables.cellRadius, kLargestDepths * m_nodes[0].deepest);
-	search.take = [](void* self, const FaceBatch& batch) { return static_cast<FaceCollector*>(self)->take(batch); };
-	search.takeUncut = [](void* self, uint32_t element) { return static_cast<FaceCollector*>(self)->takeUncut(element); };
+	search.take = [](void* self, const FaceBatch& batch) { static_cast<FaceCollector*>(self)->take(batch); };
+	search.takeUncut = [](void* self, uint32_t element) { static_cast<FaceCollector*>(self)->takeUncut(element); };
 	search.context = this;
 	kernel.findFaces(search);
 	m_list.counts.nodes += search.nodes;
@@ -166,7 +163,7 @@ Vec3 vectorOf(const FaceBatch& batch, int column, int k)
 	return {batch.column[column][k], batch.column[column + 1][k], batch.column[column + 2][k]};
 }
 
-bool FaceCollector::take(const FaceBatch& batch)
+void FaceCollector::take(const FaceBatch& batch)
 {
 	for (uint32_t b = batch.faces | batch.cut | batch.planes; b; b &= b - 1)
 	{
@@ -175,7 +172,13 @@ bool FaceCollector::take(const FaceBatch& batch)
 		else if (batch.cut >> k & 1) addCut(batch, k);
 		else addUncut(batch.element[k]);
 	}
-	return !m_list.isOverLimit();
+	m_search.stop = m_list.isOverLimit();
+}
+
+void FaceCollector::takeUncut(uint32_t element)
+{
+	addUncut(element);
+	m_search.stop = m_list.isOverLimit();
 }
 
 /// Adds an element whose integrals the kernel has computed.

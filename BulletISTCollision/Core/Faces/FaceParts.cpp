@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace ist
 {
@@ -12,7 +13,6 @@ constexpr float kReach = 1.5f;      // radius that a face counts with, of that o
 constexpr float kCellRadii = 4;     // side of a cell of the grid, of the median radius
 constexpr float kLargestRadii = 2;  // largest radius, in cells
 constexpr size_t kEntriesPerFace = 8;
-constexpr double kPi = 3.14159265358979323846;
 }  // namespace
 
 FaceParts::FaceParts(size_t faces) : m_discs(faces), m_parent(faces), m_part(faces), m_radii(faces)
@@ -33,7 +33,8 @@ void FaceParts::makeResident()
 
 void FaceParts::add(const ContactFace& face)
 {
-	m_discs[m_count++] = {float(face.center.x), float(face.center.y), float(face.center.z), kReach * float(std::sqrt(face.area / kPi))};
+	m_discs[m_count++] = {
+		float(face.center.x), float(face.center.y), float(face.center.z), kReach * float(std::sqrt(face.area / std::numbers::pi))};
 }
 
 uint32_t FaceParts::rootOf(uint32_t face)

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace ist
 {
@@ -21,7 +22,6 @@ constexpr double kLeastOfColumns = 0.3;
 constexpr double kMostOfColumns = 4;
 /// Share of a pressure below which it has no direction, and the rank of such a face (PairStream::Rank).
 constexpr double kNoDirection = 0.1, kLeastRank = 0.001;
-constexpr double kPi = 3.14159265358979323846;
 
 void toFrame(const Pose& X, ContactFace& face)
 {
@@ -97,18 +97,16 @@ void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, const
 	++sums.pairs;
 }
 
-/// Moments of the places where a patch presses, and the volume of its columns.
+/// Moments of the places where a patch presses, and the weighted volume of its columns.
 struct PressedPlaces
 {
-	double depth = 0, area = 0, columns = 0, damped = 0, second[6] = {};
+	double depth = 0, damped = 0, second[6] = {};
 	Vec3 first;
 
 	void add(const ContactFace& face, double sign, const DampingWeights& weights)
 	{
 		damped += weightedColumns(face, sign, weights);
 		depth += face.depth;
-		area += face.area;
-		columns += 0.5 * columnVolume(face);
 		first += face.depth * face.pressureCenter;
 		addSquare(second, face.pressureCenter, face.depth);
 		const double mean = face.depth / face.area,
@@ -133,7 +131,7 @@ struct PressedPlaces
 struct OverlapPart
 {
 	FaceVolume form;
-	double volume = 0, columns = 0, depth = 0, area = 0;
+	double volume = 0, columns = 0, depth = 0;
 	DepthIntegral depths;
 	bool hasCones = false;
 };
@@ -205,12 +203,12 @@ double errorOf(const ContactSurface& surface, const DepthField& field, const Con
 
 /// Share of a face in the variance of the force for 1 Pa/m [m^6]. All faces in one cell of the field have the cell's error together.
 /// `area`: of all faces that hang together.
-double forceVariance(const ContactSurface& surface, const DepthField& field, const ContactFace& face, double area)
+double forceVariance(const DepthField& field, const ContactFace& face, double area)
 {
 	const DepthCell& cell = field.cells[face.cell];
-	const double ofSurface = surface.elements[face.element].error, ofField = cell.error;
-	const double ofCell = std::min(area, kPi * double(cell.radius) * cell.radius);
-	return face.area * (ofSurface * ofSurface * face.area + ofField * ofField * std::max(face.area, ofCell));
+	const double ofCell = std::min(area, std::numbers::pi * double(cell.radius) * cell.radius);
+	const double shared = double(cell.error) * cell.error * std::max(0.0, ofCell - face.area);
+	return face.area * (face.error * face.error * face.area + shared);
 }
 
 FaceCounts sumOf(const FaceCounts& a, const FaceCounts& b)
@@ -332,14 +330,12 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	forAll([&](const ContactFace& face, size_t index, double sign) {
 		const size_t p = size_t(patchOf[index]);
 		addFace(work.patches[p], face, sign, damping);
-		work.patches[p].forceVariance += sign > 0 ? forceVariance(B.surface, A.field, face, partOf(index).form.area())
-												  : forceVariance(A.surface, B.field, face, partOf(index).form.area());
+		work.patches[p].forceVariance += forceVariance(sign > 0 ? A.field : B.field, face, partOf(index).form.area());
 		work.places[p].add(face, sign, damping);
 		OverlapPart& part = partOf(index);
 		part.volume += part.form.of(face);
 		part.columns += 0.5 * columnVolume(face);
 		part.depth += face.depth;
-		part.area += face.area;
 		part.depths.addColumn(face, sign > 0);
 	});
 	const auto forParts = [&](const auto& function) {
@@ -369,7 +365,7 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	{
 		const OverlapPart& part = work.parts[work.partOf[p]];
 		OverlapIntegrals& patch = work.patches[p];
-		const double share = part.depth > 0 ? work.places[p].depth / part.depth : part.area > 0 ? work.places[p].area / part.area : 1;
+		const double share = part.depth > 0 ? work.places[p].depth / part.depth : 1;
 		patch.volume = patch.surfaceVolume = share * part.volume;
 		patch.volumeVariance = share * part.form.variance();
 		patch.depthA = share * part.depths.ofA();

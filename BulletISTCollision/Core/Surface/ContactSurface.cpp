@@ -14,22 +14,20 @@ namespace
 {
 constexpr double kRounding = 1e-4;  // relative; larger than what single precision leaves of unit lengths and right angles
 
-Vec3 load(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
-
 /// Change of an element's normal over half of it, an upper bound.
 double bendOf(const SurfaceElement& e)
 {
 	const double k = std::fabs(e.k11) + 2 * std::fabs(e.k12) + std::fabs(e.k22);
 	if (k == 0) return 0;
-	const Vec3 e1 = load(e.e1), e2 = load(e.e2);
+	const Vec3 e1 = toVec3(e.e1), e2 = toVec3(e.e2);
 	return k * std::max(norm(e1), norm(e2)) / norm(cross(e1, e2));
 }
 
 /// The invariant that an element violates, or an empty string.
 std::string faultOf(const SurfaceElement& e)
 {
-	const Vec3 e1 = load(e.e1), e2 = load(e.e2), normal = load(e.normal);
-	if (!isFinite(load(e.center)) || !isFinite(e1) || !isFinite(e2) || !isFinite(normal)) return "is not finite";
+	const Vec3 e1 = toVec3(e.e1), e2 = toVec3(e.e2), normal = toVec3(e.normal);
+	if (!isFinite(toVec3(e.center)) || !isFinite(e1) || !isFinite(e2) || !isFinite(normal)) return "is not finite";
 	if (!std::isfinite(e.k11) || !std::isfinite(e.k12) || !std::isfinite(e.k22)) return "has a curvature that is not finite";
 	if (!(e.area > 0) || !std::isfinite(e.area)) return "has no area";
 	if (!(e.error >= 0) || !std::isfinite(e.error)) return "has an error that is negative or not finite";
@@ -44,7 +42,7 @@ std::string faultOf(const SurfaceElement& e)
 
 std::string faultOfBall(const SurfaceNode& n)
 {
-	if (!isFinite(load(n.center)) || !std::isfinite(n.radius)) return "is not finite";
+	if (!isFinite(toVec3(n.center)) || !std::isfinite(n.radius)) return "is not finite";
 	if (!(n.radius >= 0)) return "has a negative radius";
 	if (!areNear(n.center) || !isNear(n.radius)) return "is larger than a body";
 	return {};
@@ -53,7 +51,7 @@ std::string faultOfBall(const SurfaceNode& n)
 bool holds(const SurfaceNode& n, const SurfaceElement& e)
 {
 	for (const Vec3& p : controlPoints(e))
-		if (distance(p, load(n.center)) > double(n.radius) * (1 + 1e-6)) return false;
+		if (distance(p, toVec3(n.center)) > double(n.radius) * (1 + 1e-6)) return false;
 	return true;
 }
 

@@ -209,8 +209,6 @@ private:
 	std::vector<Task> m_tasks;  ///< last in, first out
 };
 
-Vec3 centerOf(const SurfaceNode& node) { return {node.center[0], node.center[1], node.center[2]}; }
-
 /// The smallest float that is safely larger.
 float above(double radius) { return std::nextafter(float(radius * (1 + 1e-7)), std::numeric_limits<float>::infinity()); }
 
@@ -227,7 +225,7 @@ void Writer::setBall(uint32_t node, const Vec3& center, double radius)
 {
 	SurfaceNode& n = m_nodes[node];
 	n.center[0] = float(center.x), n.center[1] = float(center.y), n.center[2] = float(center.z);
-	n.radius = above(radius + distance(center, centerOf(n)));
+	n.radius = above(radius + distance(center, toVec3(n.center)));
 }
 
 void Writer::setElement(uint32_t node, const SurfaceElement& element)
@@ -238,7 +236,7 @@ void Writer::setElement(uint32_t node, const SurfaceElement& element)
 	for (uint32_t n = node;; n = m_parents[n])
 	{
 		double radius = m_nodes[n].radius;
-		for (const Vec3& p : points) radius = std::max(radius, distance(p, centerOf(m_nodes[n])));
+		for (const Vec3& p : points) radius = std::max(radius, distance(p, toVec3(m_nodes[n].center)));
 		if (radius > m_nodes[n].radius) m_nodes[n].radius = above(radius);
 		if (n == 0) return;
 	}

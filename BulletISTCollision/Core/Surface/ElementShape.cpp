@@ -7,8 +7,6 @@ namespace
 {
 void store(float (&to)[3], const Vec3& v) { to[0] = float(v.x), to[1] = float(v.y), to[2] = float(v.z); }
 
-Vec3 load(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
-
 /// Root mean square distance of the corners of the pieces from the sheet, along its normal and weighted with the area.
 double distanceFromSheet(const std::vector<SurfacePiece>& pieces, const SurfaceCluster& c)
 {
@@ -64,7 +62,7 @@ SurfaceElement elementOfFace(const FacePolygon& p, const Vec3& normal, double ar
 std::array<Vec3, 9> controlPoints(const SurfaceElement& e)
 {
 	std::array<Vec3, 9> points;
-	const Vec3 center = load(e.center), e1 = load(e.e1), e2 = load(e.e2), normal = normalized(load(e.normal));
+	const Vec3 center = toVec3(e.center), e1 = toVec3(e.e1), e2 = toVec3(e.e2), normal = normalized(toVec3(e.normal));
 	for (int i = 0; i < 9; ++i)
 	{
 		if (e.isTriangle)

@@ -40,7 +40,7 @@ public:
 	void run()
 	{
 		m_stack[m_top++] = 0;
-		while (m_top > 0 && !m_search.isEnded)
+		while (m_top > 0 && !m_search.stop)
 		{
 			const int count = m_top < kNodesPerVisit ? m_top : kNodesPerVisit;
 			m_top -= count;
@@ -68,7 +68,7 @@ private:
 	void clearBatch() { m_batch.faces = m_batch.cut = m_batch.planes = 0; }
 	void sendBatch()
 	{
-		if ((m_batch.faces | m_batch.cut | m_batch.planes) && !m_search.take(m_search.context, m_batch)) m_search.isEnded = true;
+		if (m_batch.faces | m_batch.cut | m_batch.planes) m_search.take(m_search.context, m_batch);
 	}
 	IST_INLINE void put(int column, int first, const F& f) { f.store(m_batch.column[column] + first); }
 	IST_INLINE void put(int column, int first, const F3& f)
@@ -148,8 +148,7 @@ __attribute__((noinline)) void FaceFinder::visit(const uint32_t* nodes, int coun
 	else m_search.dropped += inner.count();
 	candidates.move(index, m_candidates.index + m_candidates.count);
 	m_candidates.count += candidates.count();
-	for (uint32_t b = uncut; b; b &= b - 1)
-		if (!m_search.takeUncut(m_search.context, index[__builtin_ctz(b)])) m_search.isEnded = true;
+	for (uint32_t b = uncut; b; b &= b - 1) m_search.takeUncut(m_search.context, index[__builtin_ctz(b)]);
 }
 
 void FaceFinder::sampleAll()

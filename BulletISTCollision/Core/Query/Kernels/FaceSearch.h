@@ -81,13 +81,13 @@ struct FaceSearch : FieldTables
 	float domainLower[3], domainUpper[3];
 	float margin, rounding, largest;  ///< margin of the domain; depth that counts as rounding; largest radius of elements that are sampled
 	float rotation[9], translation[3];  ///< pose of the surface's frame in the field's
-	/// Receives a batch with a bit set. Returns false to end the search.
-	bool (*take)(void* context, const FaceBatch& batch);
-	/// Receives an element that must be cut at the domain and at the planes of the partition. Returns false to end the search.
-	bool (*takeUncut)(void* context, uint32_t element);
+	/// Receives a batch with a bit set.
+	void (*take)(void* context, const FaceBatch& batch);
+	/// Receives an element that must be cut at the domain and at the planes of the partition.
+	void (*takeUncut)(void* context, uint32_t element);
 	void* context;
 	int64_t nodes, sampled, quarters;  ///< counts of work
 	int64_t dropped;                   ///< nodes that did not fit on the stack
-	bool isEnded;
+	bool stop;                         ///< set by the receivers when enough faces are found
 };
 }  // namespace ist::kernels

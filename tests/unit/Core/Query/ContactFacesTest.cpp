@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <numbers>
 #include <random>
 #include <string>
 #include <utility>
@@ -47,6 +46,19 @@ Pose relativePose(std::mt19937& random, const Vec3& place)
 }
 
 const kernels::QueryKernel& kernelOf(QueryWorkspace& workspace) { return *workspace.implementation().kernel; }
+
+/// At a plane of the partition rounding decides, and the cells of both sides differ by their errors.
+double ofPlanes(const DepthField& field)
+{
+	double largest = 0;
+	for (const DepthCell& cell : field.cells) largest = std::max(largest, double(cell.error));
+	return 3 * largest + 1e-6;
+}
+
+bool holds(const Box& box, const Vec3& x)
+{
+	return x.x >= box.lower.x && x.y >= box.lower.y && x.z >= box.lower.z && x.x <= box.upper.x && x.y <= box.upper.y && x.z <= box.upper.z;
+}
 
 FaceList listOf(size_t capacity)
 {
@@ -128,19 +140,6 @@ TEST(ContactFaces, AreTheSameInEveryInstructionSet)
 						<< toString(set) << ' ' << A.name << ' ' << B.name << ' ' << i;
 			}
 	}
-}
-
-/// At a plane of the partition rounding decides, and the cells of both sides differ by their errors.
-double ofPlanes(const DepthField& field)
-{
-	double largest = 0;
-	for (const DepthCell& cell : field.cells) largest = std::max(largest, double(cell.error));
-	return 3 * largest + 1e-6;
-}
-
-bool holds(const Box& box, const Vec3& x)
-{
-	return x.x >= box.lower.x && x.y >= box.lower.y && x.z >= box.lower.z && x.x <= box.upper.x && x.y <= box.upper.y && x.z <= box.upper.z;
 }
 
 TEST(ConePoints, HaveTheDepthsOfTheFieldsInEveryInstructionSet)

@@ -16,8 +16,6 @@ namespace ist
 {
 namespace
 {
-Vec3 load(const float (&v)[3]) { return {v[0], v[1], v[2]}; }
-
 ContactSurface surfaceOf(const Mesh& mesh, int64_t elements)
 {
 	ContactSurfaceOptions options;
@@ -36,10 +34,10 @@ struct SheetPoint
 
 	SheetPoint(const SurfaceElement& e, double s, double t)
 	{
-		const Vec3 e1 = load(e.e1), e2 = load(e.e2);
+		const Vec3 e1 = toVec3(e.e1), e2 = toVec3(e.e2);
 		const double height = (e.k11 + e.k22) / 6 - (e.k11 * s * s + 2 * e.k12 * s * t + e.k22 * t * t) / 2;
-		position = load(e.center) + e1 * s + e2 * t + normalized(load(e.normal)) * height;
-		normal = load(e.normal);
+		position = toVec3(e.center) + e1 * s + e2 * t + normalized(toVec3(e.normal)) * height;
+		normal = toVec3(e.normal);
 		if (e.isTriangle) return;
 		const Vec3 plane = cross(e1, e2), d1 = cross(e2, plane) / squaredNorm(plane), d2 = cross(plane, e1) / squaredNorm(plane);
 		normal += d1 * (e.k11 * s + e.k12 * t) + d2 * (e.k12 * s + e.k22 * t);
@@ -126,8 +124,8 @@ void expectFaces(const Mesh& mesh, const Mesh& corners, size_t elements, int64_t
 		EXPECT_EQ(e.k11, 0);
 		EXPECT_EQ(e.k12, 0);
 		EXPECT_EQ(e.k22, 0);
-		EXPECT_NEAR(norm(load(e.normal)), 1, 1e-6);
-		const Vec3 c = load(e.center), e1 = load(e.e1), e2 = load(e.e2);
+		EXPECT_NEAR(norm(toVec3(e.normal)), 1, 1e-6);
+		const Vec3 c = toVec3(e.center), e1 = toVec3(e.e1), e2 = toVec3(e.e2);
 		const double area = norm(cross(e1, e2)) * (e.isTriangle ? 0.5 : 4);
 		EXPECT_NEAR(area, e.area, 1e-6 * area);
 		const std::vector<Vec3> points = e.isTriangle ? std::vector<Vec3>{c, c + e1, c + e2}
@@ -149,7 +147,7 @@ TEST(ContactSurface, AreasAddUpAndNormalsCancel)
 			for (const SurfaceElement& e : surface.elements)
 			{
 				area += e.area;
-				sum += load(e.normal) * e.area;
+				sum += toVec3(e.normal) * e.area;
 			}
 			const double expected = surfaceArea(body.mesh);
 			EXPECT_NEAR(area, expected, 1e-6 * expected);
@@ -188,7 +186,7 @@ TEST(ContactSurface, FacesThatAreNarrowerThanTheOutlinesToleranceKeepTheirArea)
 			for (const SurfaceElement& e : surface.elements) area += e.area;
 			EXPECT_NEAR(area, surfaceArea(plate), 1e-6 * area) << thickness;
 			Vec3 sum;
-			for (const SurfaceElement& e : surface.elements) sum += double(e.area) * load(e.normal);
+			for (const SurfaceElement& e : surface.elements) sum += double(e.area) * toVec3(e.normal);
 			EXPECT_LT(norm(sum), 1e-6) << thickness;
 		}
 	}
@@ -199,7 +197,7 @@ TEST(ContactSurface, LongFacesAreCutAcross)
 	const ContactSurface surface = surfaceOf(placed(makeBoxMesh({0.05, 0.04, 2}), 3), 500);
 	for (const SurfaceElement& e : surface.elements)
 	{
-		const double a = norm(load(e.e1)), b = norm(load(e.e2));
+		const double a = norm(toVec3(e.e1)), b = norm(toVec3(e.e2));
 		EXPECT_LT(std::max(a, b), 6 * std::min(a, b));
 	}
 	EXPECT_NEAR(volumeOf(surface, {}), 8 * 0.05 * 0.04 * 2, 1e-7);
@@ -212,11 +210,11 @@ TEST(ContactSurface, SheetsOfASphereHaveItsCurvatureAndNormals)
 	const ContactSurface surface = surfaceOf(translated(makeSphereMesh(radius, 6), center), 400);
 	for (const SurfaceElement& e : surface.elements)
 	{
-		EXPECT_NEAR(e.k11 / squaredNorm(load(e.e1)), 1 / radius, 0.05 / radius);
-		EXPECT_NEAR(e.k22 / squaredNorm(load(e.e2)), 1 / radius, 0.05 / radius);
-		EXPECT_NEAR(
-			e.k12 / (norm(load(e.e1)) * norm(load(e.e2))), dot(normalized(load(e.e1)), normalized(load(e.e2))) / radius, 0.05 / radius);
-		EXPECT_GT(dot(normalized(load(e.normal)), normalized(load(e.center) - center)), std::cos(0.01));
+		EXPECT_NEAR(e.k11 / squaredNorm(toVec3(e.e1)), 1 / radius, 0.05 / radius);
+		EXPECT_NEAR(e.k22 / squaredNorm(toVec3(e.e2)), 1 / radius, 0.05 / radius);
+		EXPECT_NEAR(e.k12 / (norm(toVec3(e.e1)) * norm(toVec3(e.e2))), dot(normalized(toVec3(e.e1)), normalized(toVec3(e.e2))) / radius,
+			0.05 / radius);
+		EXPECT_GT(dot(normalized(toVec3(e.normal)), normalized(toVec3(e.center) - center)), std::cos(0.01));
 	}
 }
 
@@ -245,10 +243,10 @@ TEST(ContactSurface, SheetsOfATorusBendBothWays)
 	const ContactSurface surface = surfaceOf(makeTorusMesh(ring, tube, 288, 144), 1000);
 	for (const SurfaceElement& e : surface.elements)
 	{
-		const Vec3 c = load(e.center);
+		const Vec3 c = toVec3(e.center);
 		const double fromAxis = std::hypot(c.x, c.y), cosine = (fromAxis - ring) / std::hypot(fromAxis - ring, c.z);
 		const double around = 1 / tube, along = cosine / (ring + tube * cosine);
-		const Vec3 e1 = load(e.e1), e2 = load(e.e2), plane = cross(e1, e2);
+		const Vec3 e1 = toVec3(e.e1), e2 = toVec3(e.e2), plane = cross(e1, e2);
 		const double square = squaredNorm(plane);  // determinant of the metric
 		const double middle = 0.5 * (e.k11 * squaredNorm(e2) - 2 * e.k12 * dot(e1, e2) + e.k22 * squaredNorm(e1)) / square;
 		const double half = std::sqrt(middle * middle - (e.k11 * e.k22 - e.k12 * e.k12) / square);
@@ -276,7 +274,7 @@ TEST(ContactSurface, VolumeByTheDivergenceTheoremConverges)
 bool isHeld(const ContactSurface& surface, uint32_t node, const Vec3& point)
 {
 	const SurfaceNode& n = surface.nodes[node];
-	if (distance(point, load(n.center)) > n.radius) return false;
+	if (distance(point, toVec3(n.center)) > n.radius) return false;
 	return n.isElement() || isHeld(surface, n.child, point) || isHeld(surface, n.child + 1, point);
 }
 
@@ -301,16 +299,16 @@ TEST(ContactSurface, BallsHoldTheMeshAndTheSheets)
 TEST(ContactSurface, NoElementMixesTheSidesOfAThinPlate)
 {
 	const ContactSurface plate = surfaceOf(dividedMesh(makeBoxMesh({0.5, 0.4, 0.005}), 0.05), 200);
-	for (const SurfaceElement& e : plate.elements) EXPECT_NEAR(norm(load(e.normal)), 1, 1e-6);
+	for (const SurfaceElement& e : plate.elements) EXPECT_NEAR(norm(toVec3(e.normal)), 1, 1e-6);
 
 	// A lens: its sides meet at a sharp rim.
 	const double thickness = 0.02;
 	const ContactSurface lens = surfaceOf(scaled(makeSphereMesh(1, 5), {1, 0.8, thickness}), 500);
 	for (const SurfaceElement& e : lens.elements)
 	{
-		const Vec3 c = load(e.center);
+		const Vec3 c = toVec3(e.center);
 		if (c.x * c.x + c.y * c.y / 0.64 > 0.9) continue;
-		EXPECT_GT(norm(load(e.normal)), 0.99);
+		EXPECT_GT(norm(toVec3(e.normal)), 0.99);
 		EXPECT_GT(std::fabs(c.z), 0.2 * thickness);
 	}
 }
@@ -333,7 +331,7 @@ TEST(ContactSurface, ElementsOfLongTrianglesAreEven)
 		double area = 0, slender = 0;
 		for (const SurfaceElement& e : surfaceOf(mesh, elements).elements)
 		{
-			const double a = norm(load(e.e1)), b = norm(load(e.e2));
+			const double a = norm(toVec3(e.e1)), b = norm(toVec3(e.e2));
 			area += e.area;
 			if (std::max(a, b) > 3.2 * std::min(a, b)) slender += e.area;
 		}
@@ -345,7 +343,7 @@ TEST(ContactSurface, NormalsOfAnElementAgree)
 {
 	for (const Body& body : bodies())
 		for (const SurfaceElement& e : surfaceOf(body.mesh, 1000).elements)
-			EXPECT_GT(norm(load(e.normal)), 0.75) << body.name;  // a cap of 120 degrees
+			EXPECT_GT(norm(toVec3(e.normal)), 0.75) << body.name;  // a cap of 120 degrees
 }
 
 /// Number of elements over a point whose normal is `normal`, each weighted with its area over that of its shape.
@@ -354,11 +352,11 @@ double coverage(const ContactSurface& surface, const Vec3& point, const Vec3& no
 	double sum = 0;
 	for (const SurfaceElement& e : surface.elements)
 	{
-		const Vec3 y = point - load(e.center), e1 = load(e.e1), e2 = load(e.e2), plane = cross(e1, e2);
+		const Vec3 y = point - toVec3(e.center), e1 = toVec3(e.e1), e2 = toVec3(e.e2), plane = cross(e1, e2);
 		if (dot(plane, normal) < 0.5 * norm(plane)) continue;
 		const double s = dot(cross(y, e2), plane) / squaredNorm(plane), t = dot(cross(e1, y), plane) / squaredNorm(plane);
 		const bool isOver = e.isTriangle ? s >= 0 && t >= 0 && s + t <= 1 : std::fabs(s) <= 1 && std::fabs(t) <= 1;
-		if (isOver && std::fabs(dot(y, load(e.normal))) < 0.1) sum += e.area / (norm(plane) * (e.isTriangle ? 0.5 : 4));
+		if (isOver && std::fabs(dot(y, toVec3(e.normal))) < 0.1) sum += e.area / (norm(plane) * (e.isTriangle ? 0.5 : 4));
 	}
 	return sum;
 }
@@ -367,7 +365,7 @@ TEST(ContactSurface, FewElementsGoAroundAThinTube)
 {
 	// The tube is so long that 500 square elements would be as wide as the tube.
 	const Mesh tube = makeTorusKnotMesh(2, 1, 0.08);
-	for (const SurfaceElement& e : surfaceOf(tube, 500).elements) EXPECT_GT(norm(load(e.normal)), 0.7);
+	for (const SurfaceElement& e : surfaceOf(tube, 500).elements) EXPECT_GT(norm(toVec3(e.normal)), 0.7);
 }
 
 TEST(ContactSurface, ElementsTileTheSurface)
@@ -375,7 +373,7 @@ TEST(ContactSurface, ElementsTileTheSurface)
 	const Mesh mesh = makeSphereMesh(1, 5);
 	const ContactSurface surface = surfaceOf(mesh, 2000);
 	double shapes = 0, square = 0;
-	for (const SurfaceElement& e : surface.elements) shapes += norm(cross(load(e.e1), load(e.e2))) * (e.isTriangle ? 0.5 : 4);
+	for (const SurfaceElement& e : surface.elements) shapes += norm(cross(toVec3(e.e1), toVec3(e.e2))) * (e.isTriangle ? 0.5 : 4);
 	EXPECT_NEAR(shapes, surfaceArea(mesh), 0.003 * shapes);
 	CounterRandom random(4, 5, 6);
 	const int points = 4000;
