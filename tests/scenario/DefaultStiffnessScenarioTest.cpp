@@ -24,10 +24,6 @@ btRigidBody* addSlab(Scene& scene, const Vec3& size)
 	return scene.add(scene.volumetricShape(found->second), 0, 0, at({0, -size.y / 2, 0}));
 }
 
-double height(const btRigidBody* body) { return double(body->getWorldTransform().getOrigin().y()); }
-/// Angle between the body's y axis and that of the world [rad].
-double tilt(const btRigidBody* body) { return std::acos(std::clamp(double(body->getWorldTransform().getBasis()[1][1]), -1.0, 1.0)); }
-
 /// The lowest contact of `body` that touches.
 const btISTContact* contactBelow(Scene& scene, const btRigidBody* body)
 {

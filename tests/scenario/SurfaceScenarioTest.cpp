@@ -8,10 +8,6 @@ namespace
 {
 constexpr double kGravity = 9.81, kHalf = 0.1, kMass = 8, kInertia = kMass * 4 * kHalf * kHalf / 6;
 
-double height(const btRigidBody* body) { return double(body->getWorldTransform().getOrigin().y()); }
-
-double tilt(const btRigidBody* body) { return std::acos(std::min(1.0, double(body->getWorldTransform().getBasis().getColumn(1).y()))); }
-
 const Solid& sharpCube()
 {
 	static const Solid solid(ist::makeBoxMesh({kHalf, kHalf, kHalf}), 300, true);

@@ -92,6 +92,11 @@ inline double lowestPoint(const ist::Mesh& mesh, const ist::Pose& X)
 	return y;
 }
 
+inline double height(const btRigidBody* body) { return double(body->getWorldTransform().getOrigin().y()); }
+
+/// Angle between a body's y axis and the world's [rad].
+inline double tilt(const btRigidBody* body) { return std::acos(std::clamp(double(body->getWorldTransform().getBasis()[1][1]), -1.0, 1.0)); }
+
 /// Bodies in their own world. They never sleep.
 class Scene
 {
