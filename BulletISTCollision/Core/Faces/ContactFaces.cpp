@@ -91,6 +91,7 @@ private:
 	ElementPolygon wholePolygon() const;
 	bool clipToDomain(ElementPolygon& polygon) const;
 	void overlay(const ElementPolygon& polygon);
+	bool isFar(const ElementPolygon& polygon, const DepthCell& cell) const;
 	void addCell(const ElementPolygon& polygon, uint32_t cell);
 	void addPolygon(const ElementPolygon& polygon, const ElementQuadratic& depth, int halvings);
 	void addFace(const ElementPolygon& polygon, const ElementQuadratic& depth, float share);
@@ -361,11 +362,23 @@ void FaceCollector::overlay(const ElementPolygon& whole)
 	}
 }
 
+/// Whether the whole polygon is so far from the samples of its cell that none of the body is there.
+bool FaceCollector::isFar(const ElementPolygon& polygon, const DepthCell& cell) const
+{
+	if (!(cell.error > kLeastErrorOfRadius * cell.radius)) return false;
+	float s = 0, t = 0, reach = 0;
+	for (int i = 0; i < polygon.count; ++i) s += polygon.s[i] / float(polygon.count), t += polygon.t[i] / float(polygon.count);
+	for (int i = 0; i < polygon.count; ++i)
+		reach = std::max(reach, float(norm(double(polygon.s[i] - s) * m_e1 + double(polygon.t[i] - t) * m_e2)));
+	return distance(m_center + double(s) * m_e1 + double(t) * m_e2, toVec3(cell.center)) > double(kFarthestRadii * cell.radius + reach);
+}
+
 /// The depth over the element's plane, with the height of its sheet: what the height adds is the depth's slope along the normal times it.
 void FaceCollector::addCell(const ElementPolygon& polygon, uint32_t index)
 {
 	++m_list.counts.cells;
 	const DepthCell& cell = m_cells[index];
+	if (isFar(polygon, cell)) return;
 	const float x[3] = {m_frame[0][2], m_frame[1][2], m_frame[2][2]}, e1[3] = {m_frame[0][0], m_frame[1][0], m_frame[2][0]},
 				e2[3] = {m_frame[0][1], m_frame[1][1], m_frame[2][1]};
 	const float normal[3] = {float(m_unitNormal.x), float(m_unitNormal.y), float(m_unitNormal.z)};
@@ -468,7 +481,12 @@ void FaceCollector::keepInside(const ElementPolygon& polygon, const ElementQuadr
 	if (!(squared > 0)) return;
 	const float step = depth.at(s, t) / squared, limit = 0.5f * (std::fabs(crossS[1] - crossS[0]) + std::fabs(crossT[1] - crossT[0]));
 	if (std::fabs(step) * std::sqrt(squared) > limit) return;
-	inside.insert(last + 1, s - step * slopeS, t - step * slopeT);
+	// The chords must leave an area: where they would cross the opposite edge, that of a sliver is negative.
+	const int entry = last + 1 < inside.count ? last + 1 : 0;
+	const float s0 = inside.s[last], t0 = inside.t[last], x = s - step * slopeS, y = t - step * slopeT;
+	const float added = 0.5f * ((x - s0) * (inside.t[entry] - t0) - (y - t0) * (inside.s[entry] - s0));
+	if (added < -0.5f * inside.moments().area) return;
+	inside.insert(last + 1, x, y);
 }
 
 /// Adds a polygon that lies in the other surface, as far as their errors can tell. Half of it counts as inside.
@@ -494,6 +512,13 @@ void FaceCollector::addFlushFace(const ElementPolygon& polygon, float depth)
 	face->cell = m_cell;
 }
 
+/// Way from the centroid to where the depth presses, along one coordinate. A depth that is negative on a part of the polygon could have it
+/// outside: it stays within the element, whose coordinates go from -1 to 1.
+double limitedShift(double moment, double integral, double centroid)
+{
+	return std::clamp(moment / integral, std::min(-1 - centroid, 0.0), std::max(1 - centroid, 0.0));
+}
+
 /// Adds a polygon on which the depth counts as positive. `share`: of the polygon that was cut where the depth is zero.
 void FaceCollector::addFace(const ElementPolygon& polygon, const ElementQuadratic& d, float share)
 {
@@ -508,13 +533,15 @@ void FaceCollector::addFace(const ElementPolygon& polygon, const ElementQuadrati
 	// First moments of the depth, from its tangent plane at the centroid.
 	const double slopeS = d.cs + double(d.css) * s + double(d.cst) * t, slopeT = d.ct + double(d.cst) * s + double(d.ctt) * t;
 	const double varS = m.ss - double(m.s) * s, varST = m.st - double(m.s) * t, varT = m.tt - double(m.t) * t;
-	const double ds = integral * s + slopeS * varS + slopeT * varST, dt = integral * t + slopeS * varST + slopeT * varT;
+	const double shiftS = limitedShift(slopeS * varS + slopeT * varST, integral, s),
+				 shiftT = limitedShift(slopeS * varST + slopeT * varT, integral, t);
+	const double ds = integral * (s + shiftS), dt = integral * (t + shiftT);
 	const Vec3 onPlane = m_center + s * m_e1 + t * m_e2;
 	const double height = (m_k11 + m_k22) / 6 - 0.5 * (m_k11 * m.ss + 2 * m_k12 * m.st + m_k22 * m.tt) / m.area;
 	face->center = onPlane + height * m_unitNormal;
 	face->areaNormal = (w * m.area) * (m_normal + s * m_normalS + t * m_normalT);
 	face->pressure = w * (integral * m_normal + ds * m_normalS + dt * m_normalT);
-	face->pressureCenter = m_center + (ds / integral) * m_e1 + (dt / integral) * m_e2 + height * m_unitNormal;
+	face->pressureCenter = m_center + (s + shiftS) * m_e1 + (t + shiftT) * m_e2 + height * m_unitNormal;
 	face->gradient = m_gradient + s * m_gradientS + t * m_gradientT;
 	setSpread(*face, w * (varS * m_e1 + varST * m_e2), w * (varST * m_e1 + varT * m_e2), m_e1, m_e2, m_normalS, m_normalT);
 	face->area = w * m.area;

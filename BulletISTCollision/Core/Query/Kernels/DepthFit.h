@@ -22,14 +22,19 @@ struct DepthFit
 
 constexpr float kGauss = 0.57735026919f;  // 1 / sqrt(3)
 
+/// Square of a slope: that of a depth is about 1.
+constexpr float kSteep = 2;
+
 /// The depth at four points of each element, with its derivatives along s and t on the sheet.
 struct DepthSamples
 {
 	F s[4], t[4];
 	F depth[4], slopeS[4], slopeT[4];
-	F3 gradient;  ///< mean
-	F error;      ///< largest error of a cell
-	Int part;     ///< of the first point
+	F3 gradient;        ///< mean
+	F error;            ///< largest error of a cell
+	Int part;           ///< of the first point
+	uint32_t astray;    ///< nothing of the body is at any of the points, and a quadric is not even negative there: it says nothing
+	uint32_t doubtful;  ///< nothing of the body is there, and a quadric is too far from its samples, or steeper than a depth
 };
 
 /// Walks down the partition from the starts of `count` points at once, which hides the latency of the loads.
@@ -51,7 +56,8 @@ template <int count> IST_INLINE void findParts(const FieldTables& s, const F3 (&
 IST_INLINE DepthLanes depthAt(const FieldTables& s, Int part, const F3& x)
 {
 	DepthLanes d = depthIn(fetchCells(s, part), x);
-	d.depth = F::select(isOutside(part), F::smaller(d.depth, all(0)), d.depth);
+	d.outside |= isOutside(part);
+	d.depth = F::select(d.outside, F::smaller(d.depth, all(0)), d.depth);
 	return d;
 }
 
@@ -71,10 +77,16 @@ IST_INLINE void sampleDepth(const FaceSearch& search, const ElementLanes& e, Dep
 	findParts(search, x, part);
 	d.gradient = {all(0), all(0), all(0)};
 	d.error = all(0);
+	uint32_t outside = kAllLanes, raised = 0, doubtful = 0;
 	_Pragma("GCC unroll 1") for (int p = 0; p < 4; ++p)
 	{
 		const DepthLanes at = depthAt(search, part[p], x[p]);
-		d.depth[p] = at.depth;
+		// Where nothing of the body is, surfaces do not lie in each other either.
+		const F apart = all(-kFlushErrors) * (at.error + e.error) - all(2 * search.rounding);
+		d.depth[p] = F::select(at.outside, F::smaller(at.depth, apart), at.depth);
+		outside &= at.outside;
+		raised |= at.outside & ~F::less(at.depth, apart);
+		doubtful |= at.far | F::less(all(kSteep), dot(at.gradient, at.gradient));
 		d.error = F::larger(d.error, at.error);
 		d.gradient = d.gradient + at.gradient;
 		const F slope = dot(at.gradient, e.unit);
@@ -82,6 +94,8 @@ IST_INLINE void sampleDepth(const FaceSearch& search, const ElementLanes& e, Dep
 		d.slopeT[p] = dot(at.gradient, e.e2) - slope * (e.k12 * d.s[p] + e.k22 * d.t[p]);
 	}
 	d.gradient = all(0.25f) * d.gradient;
+	d.astray = outside & raised;
+	d.doubtful = outside & doubtful;
 	d.part = part[0];
 }
 
@@ -234,7 +248,9 @@ IST_INLINE RegionMoments insideMoments(
 	};
 	IST_UNROLL
 	for (int i = 0; i < 4; ++i) addEdge(e.beginS[i], e.beginT[i], e.endS[i], e.endT[i], inside[i] | inside[(i + 1) % 4]);
-	addEdge(bulge.s, bulge.t, e.entryS, e.entryT, kAllLanes);
+	// A bulge into a sliver may leave it: no area is left then, and its centroid is anywhere.
+	const F added = (bulge.s - e.exitS) * (e.entryT - e.exitT) - (e.entryS - e.exitS) * (bulge.t - e.exitT);
+	addEdge(bulge.s, bulge.t, e.entryS, e.entryT, F::less(all(-0.5f) * m0, added));
 	const F area = all(0.5f) * m0, inverse = all(1) / F::larger(area, all(1e-20f)), twelfth = all(1 / 12.0f) * inverse;
 	const F s = all(1 / 6.0f) * ms * inverse, t = all(1 / 6.0f) * mt * inverse;
 	return {area * element.pick(2, 0.25f), e.exitS + s, e.exitT + t, twelfth * mss - s * s, twelfth * mtt - t * t, twelfth * mst - s * t};

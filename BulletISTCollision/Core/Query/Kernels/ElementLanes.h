@@ -87,7 +87,7 @@ IST_INLINE uint32_t isOutside(Int part) { return signBits((~part & kOutsideFlag)
 struct CellLanes
 {
 	F3 center, gradient;
-	F depth, error;
+	F depth, error, radius;
 	F6 hessian;
 };
 
@@ -99,19 +99,24 @@ IST_INLINE CellLanes fetchCells(const FieldTables& s, Int part)
 	constexpr int offset[4] = {0, 16, 32, 44};
 	F::Part c[16];
 	fetchRows<4>(s.cells, index, offset, c);
-	return {{{c[0]}, {c[1]}, {c[2]}}, {{c[4]}, {c[5]}, {c[6]}}, {c[3]}, {c[14]}, {{c[7]}, {c[8]}, {c[9]}, {c[10]}, {c[11]}, {c[13]}}};
+	return {
+		{{c[0]}, {c[1]}, {c[2]}}, {{c[4]}, {c[5]}, {c[6]}}, {c[3]}, {c[14]}, {c[15]}, {{c[7]}, {c[8]}, {c[9]}, {c[10]}, {c[11]}, {c[13]}}};
 }
 
 struct DepthLanes
 {
 	F depth, error;
 	F3 gradient;
+	uint32_t far;      ///< the samples of the cell are too far away: the quadric says nothing
+	uint32_t outside;  ///< nothing of the body is there
 };
 
 IST_INLINE DepthLanes depthIn(const CellLanes& c, const F3& x)
 {
 	const F3 y = x - c.center, hy = c.hessian * y;
-	return {c.depth + dot(c.gradient + all(0.5f) * hy, y), c.error, c.gradient + hy};
+	const F reach = all(kFarthestRadii) * F::select(F::isLess(all(kLeastErrorOfRadius) * c.radius, c.error), c.radius, all(1e15f));
+	const uint32_t far = F::less(reach * reach, dot(y, y));
+	return {c.depth + dot(c.gradient + all(0.5f) * hy, y), c.error, c.gradient + hy, far, far};
 }
 
 /// Elements in the field's frame, or quarters of elements.

@@ -214,6 +214,7 @@ template <bool isQuarter> __attribute__((noinline)) void FaceFinder::sampleLanes
 	if constexpr (isQuarter) takeQuarters(e, right, upper);
 	DepthSamples samples;
 	sampleDepth(m_search, e, samples);
+	const uint32_t near = lanes & ~samples.astray;
 	const DepthFit fit = fitOf(e, samples);
 	const CornerDepths corners = cornersOf(e, fit);
 
@@ -223,10 +224,12 @@ template <bool isQuarter> __attribute__((noinline)) void FaceFinder::sampleLanes
 	const F flush = all(kFlushErrors) * alike * (samples.error + e.error) + all(m_search.rounding);
 	const F top = corners.largest + F::larger(all(0), bend);
 	const F misfit = misfitOf(e, samples);
-	uint32_t planes = isQuarter ? 0 : needsPlanes(e, samples, corners, misfit, size) & lanes;
-	const uint32_t within = F::less(top, flush) & F::less(-flush, corners.least) & F::less(-flush, top) & ~planes & lanes;
-	const uint32_t whole = ~F::less(corners.least, all(0)) & ~within & ~planes & lanes;
-	uint32_t rim = F::less(all(0), isQuarter ? top : top + misfit) & ~whole & ~within & ~planes & lanes;
+	// Where a quadric falls too steeply, far from the body, no corner tells whether it is inside. The planes do.
+	const uint32_t doubtful = samples.doubtful & F::less(-flush, top);
+	uint32_t planes = isQuarter ? 0 : (needsPlanes(e, samples, corners, misfit, size) | doubtful) & near;
+	const uint32_t within = F::less(top, flush) & F::less(-flush, corners.least) & F::less(-flush, top) & ~planes & near;
+	const uint32_t whole = ~F::less(corners.least, all(0)) & ~within & ~planes & near;
+	uint32_t rim = F::less(all(0), isQuarter ? top : top + misfit) & ~whole & ~within & ~planes & near;
 	if constexpr (!isQuarter)
 	{
 		planes |= rim & F::less(all(kCreaseMisfit) * size, misfit);
@@ -295,14 +298,21 @@ IST_INLINE void FaceFinder::putFaces(
 	const F depth = fit.at(m.s, m.t) + half * (fit.css * m.varS + fit.ctt * m.varT) + fit.cst * m.cov;
 	// First moments of the depth, from its tangent plane at the centroid.
 	const F slopeS = fit.slopeS(m.s, m.t), slopeT = fit.slopeT(m.s, m.t);
-	const F ds = slopeS * m.varS + slopeT * m.cov, dt = slopeS * m.cov + slopeT * m.varT, inverse = all(1) / F::larger(depth, all(1e-30f));
+	const F inverse = all(1) / F::larger(depth, all(1e-30f));
+	// A depth that is negative on a part of the region could have it press outside: it stays within the element.
+	const auto limited = [&](const F& shift, const F& centroid) __attribute__((always_inline))
+	{
+		return F::larger(F::smaller(shift, F::larger(all(1) - centroid, all(0))), F::smaller(all(-1) - centroid, all(0)));
+	};
+	const F shiftS = limited((slopeS * m.varS + slopeT * m.cov) * inverse, m.s),
+			shiftT = limited((slopeS * m.cov + slopeT * m.varT) * inverse, m.t), ds = shiftS * depth, dt = shiftT * depth;
 	const F height = (e.k11 + e.k22) * all(1 / 6.0f) - half * (e.k11 * (m.varS + m.s * m.s) + e.k22 * (m.varT + m.t * m.t)) -
 		e.k12 * (m.cov + m.s * m.t);
 	const F3 center = e.center + m.s * e.e1 + m.t * e.e2 + height * e.unit, normal = e.normal + m.s * e.normalS + m.t * e.normalT;
 	put(FaceBatch::FaceCenter, first, center, lanes);
 	put(FaceBatch::AreaNormal, first, area * normal, lanes);
 	put(FaceBatch::Pressure, first, area * (depth * normal + ds * e.normalS + dt * e.normalT), lanes);
-	put(FaceBatch::PressureCenter, first, center + (ds * inverse) * e.e1 + (dt * inverse) * e.e2, lanes);
+	put(FaceBatch::PressureCenter, first, center + shiftS * e.e1 + shiftT * e.e2, lanes);
 	put(FaceBatch::SpreadS, first, area * (m.varS * e.e1 + m.cov * e.e2), lanes);
 	put(FaceBatch::SpreadT, first, area * (m.cov * e.e1 + m.varT * e.e2), lanes);
 	put(FaceBatch::Area, first, area, lanes);

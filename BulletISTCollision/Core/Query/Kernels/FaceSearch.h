@@ -12,6 +12,9 @@ namespace ist::kernels
 constexpr int kFaceBatch = 16;
 /// Errors up to which two surfaces are taken as flush.
 constexpr float kFlushErrors = 2;
+/// No point of a body lies farther from the center of its cell than this many of the cell's radii; the farthest seen was 7.8. Only cells
+/// with a larger error per radius are held to it: the others are exact, or have hardly a sample.
+constexpr float kFarthestRadii = 10, kLeastErrorOfRadius = 1e-3f;
 /// Share of a flush face that counts as cut: whether it is inside is not known, and neighbours err alike.
 constexpr float kFlushCut = 1.6f;
 

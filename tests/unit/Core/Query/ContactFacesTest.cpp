@@ -177,7 +177,7 @@ TEST(ConePoints, HaveTheDepthsOfTheFieldsInEveryInstructionSet)
 	}
 }
 
-TEST(ContactFaces, AreFinite)
+TEST(ContactFaces, AreFiniteAndLieInTheirElements)
 {
 	QueryWorkspace workspace;
 	FaceList list = listOf(20000);
@@ -202,8 +202,11 @@ TEST(ContactFaces, AreFinite)
 			ASSERT_TRUE(std::isfinite(norm(f.spread.column(0)) + norm(f.spread.column(1)) + norm(f.spread.column(2))));
 			ASSERT_GT(f.area, 0);
 			ASSERT_GT(f.depth, 0);
-			ASSERT_LT(distance(f.center, f.pressureCenter), 1);
-			ASSERT_LT(norm(f.center), 1);
+			const SurfaceElement& e = B.surface.elements[f.element];
+			const double radius = norm(toVec3(e.e1)) + norm(toVec3(e.e2));
+			ASSERT_LT(distance(f.center, X * toVec3(e.center)), 1.1 * radius) << i;
+			ASSERT_LT(distance(f.pressureCenter, X * toVec3(e.center)), 1.1 * radius) << i;
+			ASSERT_LT(norm(f.areaNormal), 2 * f.area) << i;
 		}
 	}
 }
