@@ -66,6 +66,14 @@ void addSpin(SymmetricMatrix6& K, const SymmetricMatrix3& J, const Vec3& a, cons
 		for (int j = i; j < 3; ++j) K(3 + i, 3 + j) += 0.5 * w * (m[i][j] + m[j][i]);
 }
 
+bool isZero(const Mat3& m)
+{
+	for (const auto& row : m.m)
+		for (const double x : row)
+			if (x != 0) return false;
+	return true;
+}
+
 /// Volume of the columns of a face, with the weight of the body whose depth presses there.
 double weightedColumns(const ContactFace& face, double sign, const DampingWeights& weights)
 {
@@ -84,7 +92,8 @@ void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, const
 	const double G[6] = {n.x, n.y, n.z, tn.x, tn.y, tn.z}, H[6] = {g.x, g.y, g.z, tg.x, tg.y, tg.z};
 	SymmetricMatrix6& stiffness = sign > 0 ? sums.stiffnessA : sums.stiffnessB;
 	addSymmetric(stiffness, G, H, 1);
-	addSpin(stiffness, face.second, n, g, 1 / face.area);
+	const bool flat = isZero(face.spread);
+	if (flat) addSpin(stiffness, face.second, n, g, 1 / face.area);
 	// The body whose depth presses moves along its own normals, which the depth's gradient has all along the columns below the face.
 	const double weight = weightedColumns(face, sign, weights);
 	if (weight > 0)
@@ -92,7 +101,7 @@ void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, const
 		const Vec3 tp = cross(p, g);
 		const double P[6] = {g.x, g.y, g.z, tp.x, tp.y, tp.z};
 		addSymmetric(sums.damping, P, P, weight);
-		addSpin(sums.damping, face.second, g, g, weight / face.area);
+		if (flat) addSpin(sums.damping, face.second, g, g, weight / face.area);
 	}
 	++sums.pairs;
 }
