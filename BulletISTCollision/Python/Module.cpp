@@ -133,11 +133,12 @@ void bindFunctions(py::module_& module)
 {
 	module.def("build", &build, "vertices"_a, "triangles"_a = py::none(), py::kw_only(), "spheres"_a = int64_t(10000), "fill"_a = 1.0,
 		"min_radius"_a = 0.0, "error"_a = py::none(), "repair"_a = "auto", "seed"_a = uint64_t(1), "threads"_a = 0,
-		"progress"_a = py::none(), "surface"_a = false,
+		"progress"_a = py::none(), "surface"_a = true,
 		"A tree from a mesh [m]: vertices (n, 3) or flat, triangles (m, 3) or flat, counter-clockwise seen from outside; without "
 		"triangles, "
 		"each three vertices are one. `error`: force error at 1 % overlap to reach with at most `spheres`. `progress(stage, fraction)` may "
-		"return False to cancel. `surface`: also what contact below the gaps between spheres is computed from. Raises bullethaptics.Error "
+		"return False to cancel. `surface=False`: without what contact below the gaps between spheres is computed from. Raises "
+		"bullethaptics.Error "
 		"with a sentence.");
 	module.def("load", &load, "path"_a, "A tree from an .ist or .ista file.");
 	module.def(

@@ -72,7 +72,7 @@ BuildOptions buildOptions(const BuildArguments& a, double unit, const Progress& 
 	options.repair = a.repair == "off" ? RepairMode::Off : a.repair == "wrap" ? RepairMode::Wrap : RepairMode::Auto;
 	options.unit = unit;
 	options.seed = a.seed;
-	options.surface = a.surface;
+	options.surface = !a.withoutSurface;
 	options.threads = a.threads;
 	options.progress = progress;
 	return options;

@@ -30,7 +30,7 @@ struct BuildArguments
 	std::string repair = "auto";
 	int threads = 0;
 	uint64_t seed = 1;
-	bool surface = false;
+	bool withoutSurface = false;
 	bool json = false, quiet = false;
 };
 

@@ -77,7 +77,7 @@ private:
 			->check(CLI::IsMember({"auto", "off", "wrap"}))
 			->capture_default_str();
 		sub->add_option("--threads", a.threads, "threads (all)")->transform(integerArgument(1, 4096));
-		sub->add_flag("--surface", a.surface, "the surface, too: contact that is right below the gaps between spheres");
+		sub->add_flag("--no-surface", a.withoutSurface, "without the surface: shallow queries are faster, and wrong below the gaps");
 		sub->add_option("--seed", a.seed, "seed")->transform(integerArgument<uint64_t>(0))->capture_default_str();
 		sub->add_flag("--json", a.json, "one JSON object");
 		sub->add_flag("--quiet", a.quiet, "no progress and no report, only a warning of a mesh that repair changed");

@@ -118,6 +118,7 @@ Result<InnerSphereTree> load(const std::string& folder, const std::string& mesh,
 	Result<Mesh> triangles = importMesh(mesh);
 	if (!triangles) return triangles.error();
 	BuildOptions options;
+	options.surface = false;  // contact of leaves
 	options.maxSpheres = spheres;
 	Result<InnerSphereTree> built = buildTree(triangles.value(), options);
 	if (!built) return built;

@@ -50,6 +50,7 @@ Result<InnerSphereTree> body(const Settings& settings, int spheres)
 	Result<Mesh> mesh = importMesh(settings.mesh);
 	if (!mesh) return mesh.error();
 	BuildOptions options;
+	options.surface = false;  // contact of leaves
 	options.maxSpheres = spheres;
 	Result<InnerSphereTree> built = buildTree(mesh.value(), options);
 	if (built)

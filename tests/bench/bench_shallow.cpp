@@ -33,7 +33,6 @@ struct Body
 Body bodyOf(const Mesh& mesh, int64_t spheres)
 {
 	BuildOptions options;
-	options.surface = true;
 	options.maxSpheres = spheres;
 	return {MeshDistance(mesh), buildTree(mesh, options).value()};
 }

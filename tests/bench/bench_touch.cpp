@@ -121,6 +121,7 @@ void printFlat(int spheres, int poses)
 	Mesh large = makeBoxMesh({0.5, 0.35, 0.25}), small = large;
 	for (Vec3& p : small.vertices) p = p * 0.4;
 	BuildOptions options;
+	options.surface = false;  // contact of leaves
 	options.maxSpheres = spheres;
 	const Result<InnerSphereTree> A = buildTree(large, options), B = buildTree(small, options);
 	if (!A || !B) return;
@@ -166,6 +167,7 @@ int main(int argc, char** argv)
 	{
 		const Mesh mesh = bench::placed(bench::meshNamed(name));
 		BuildOptions options;
+		options.surface = false;  // contact of leaves
 		options.maxSpheres = spheres;
 		Result<InnerSphereTree> tree = buildTree(mesh, options);
 		if (tree) bodies.push_back({name, MeshDistance(mesh), bench::pointsOf(mesh, kSpacing), std::move(tree).value()});

@@ -89,6 +89,7 @@ Body makeBody(const std::string& name, int spheres)
 	if (slash != std::string::npos)
 		for (Vec3& p : body.mesh.vertices) p = p / std::atof(name.c_str() + slash + 1);
 	BuildOptions options;
+	options.surface = false;  // contact of leaves
 	options.maxSpheres = spheres;
 	Result<InnerSphereTree> tree = buildTree(body.mesh, options);
 	if (!tree)

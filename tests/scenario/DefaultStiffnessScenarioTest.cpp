@@ -133,7 +133,8 @@ TEST(DefaultStiffness, TowersOfThreeAndOfFiveStand)
 		scene.addFloor();
 		const btRigidBody* top = addTower(scene, cube, .2, 8, count).back();
 		scene.run(10, 60);
-		EXPECT_NEAR(height(top), .2 * (count - .5), .005) << count;
+		// Each of the lower contacts is twice s (docs/stability.md) deep at the most, because both bodies are soft: 6 mm for five cubes.
+		EXPECT_NEAR(height(top), .2 * (count - .5), count == 3 ? .005 : .007) << count;
 		EXPECT_LT(std::hypot(double(top->getWorldTransform().getOrigin().x()), double(top->getWorldTransform().getOrigin().z())), .02)
 			<< count;
 		EXPECT_LT(tilt(top), .03) << count;
@@ -247,8 +248,9 @@ TEST(DefaultStiffness, IsNeverStifferThanTheStepBears)
 			}
 			EXPECT_EQ(bounded, !heavyOnTop);
 			EXPECT_NEAR(height(upper), .3, .015) << rate << heavyOnTop;
-			// it may creep sideways on the leaves
-			EXPECT_LT(std::fabs(double(upper->getLinearVelocity().y())), .005) << rate << heavyOnTop;
+			// A body that fell deeper in one step than any force had stored turns back and forth at up to half of g h: the energy tank
+			// returns no more than it has taken.
+			EXPECT_LT(std::fabs(double(upper->getLinearVelocity().y())), .5 * 9.81 / rate) << rate << heavyOnTop;
 		}
 }
 

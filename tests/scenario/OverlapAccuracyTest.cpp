@@ -32,12 +32,11 @@ struct Body
 	InnerSphereTree tree;
 };
 
-Body makeBody(const Mesh& source, int spheres = 10000, bool surface = false)
+Body makeBody(const Mesh& source, int spheres = 10000)
 {
 	Result<RepairedMesh> repaired = repair(source);
 	BuildOptions options;
 	options.maxSpheres = spheres;
-	options.surface = surface;
 	Result<InnerSphereTree> tree = buildTree(source, options);
 	if (!repaired || !tree)
 	{
@@ -143,10 +142,12 @@ void expectBruteForceAgrees(const Body& A, const Body& B)
 {
 	const OverlapQuadrature quadrature(A.mesh, B.mesh);
 	QueryWorkspace workspace;
+	QueryOptions ofLeaves;
+	ofLeaves.model = Model::Leaf;
 	for (const Pose& X : posesAtOverlap(quadrature, 0.05, 2, 5))
 	{
-		const OverlapIntegrals fast = queryOverlap(A.tree, B.tree, X, workspace).total;
-		const OverlapIntegrals slow = queryOverlapBruteForce(A.tree, B.tree, X).total;
+		const OverlapIntegrals fast = queryOverlap(A.tree, B.tree, X, workspace, ofLeaves).total;
+		const OverlapIntegrals slow = queryOverlapBruteForce(A.tree, B.tree, X, Model::Leaf).total;
 		const double arm = A.tree.box.longestSide();
 		EXPECT_NEAR(fast.volume, slow.volume, 1e-5 * slow.volume);
 		EXPECT_LT(norm(fast.normalA.force - slow.normalA.force), 1e-5 * slow.volume);
@@ -287,7 +288,7 @@ TEST(OverlapAccuracy, ErrorBarHoldsForCompactThinAndSmallBodies)
 	const auto body = [](Mesh mesh, double size) {
 		const double unit = size / bounds(mesh).longestSide();
 		for (Vec3& p : mesh.vertices) p = p * unit + Vec3{0.3, -0.2, 0.5};
-		return makeBody(mesh, kSpheres, true);
+		return makeBody(mesh, kSpheres);
 	};
 	const Mesh knot = makeTorusKnotMesh(2, 1, 0.45);
 	const Body ring = body(makeTorusMesh(0.5, 0.2), 1), tied = body(knot, 1), box = body(makeBoxMesh({0.5, 0.35, 0.25}), 1);

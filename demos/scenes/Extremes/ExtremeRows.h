@@ -12,8 +12,8 @@ namespace scenes
 /// Volume of the tree's own balls below the plane y = `height`, ball by ball in double [m^3]. This is the model's curve without the
 /// query.
 double modelVolumeBelow(const ist::InnerSphereTree& tree, const ist::Pose& X_WT, double height);
-/// The model's force on A by B along y [N], over all pairs of leaves in double. A solid without a tree is its bounding box in closed
-/// form.
+/// The model's force on A by B along y [N], of two equal cubes that lie flat on each other, in closed form. Of a solid without a tree, that
+/// of the other's leaves in its bounding box.
 double modelForceUp(const ExtremeSolid& A, const ist::Pose& X_WA, const ExtremeSolid& B, const ist::Pose& X_WB, double k);
 
 /// Depth at which the model's own curve carries `weight` [m]: that of a cube's face under a plane, or under the face of the cube `below`.
@@ -64,8 +64,9 @@ struct CollisionOutcome
 	double momentum = 0, angular = 0;  ///< error of the momentum over m v, and of the angular momentum over m v R
 	double energy = 0;                 ///< kinetic energy at the end, divided by that at the start
 	double deepest = 0;                ///< largest overlap, divided by the smaller volume
-	/// energy losses (btEnergyAudit), divided by the kinetic energy at the start; only with Response::Volumetric
-	double physical = 0, numerical = 0;
+	/// energy losses, and what the contact still stores (btEnergyAudit), divided by the kinetic energy at the start; only with
+	/// Response::Volumetric
+	double physical = 0, numerical = 0, stored = 0;
 };
 /// Two equal bodies with random poses and velocities collide in free flight. The angular momentum is taken about the joint centre of
 /// mass.

@@ -58,6 +58,7 @@ SweptBody makeBody(const std::string& name, int spheres, const std::string& fold
 {
 	SweptBody body;
 	BuildOptions options;
+	options.surface = false;  // contact of leaves
 	options.maxSpheres = spheres;
 	const Mesh mesh = placed(meshNamed(name));
 	const auto say = [](const std::string& text) { std::fprintf(stderr, "%s\n", text.c_str()); };

@@ -39,6 +39,7 @@ struct Body
 Body bodyOf(const Mesh& mesh, int spheres)
 {
 	BuildOptions options;
+	options.surface = false;  // contact of leaves
 	options.maxSpheres = spheres;
 	Result<InnerSphereTree> tree = buildTree(mesh, options);
 	if (!tree) std::fprintf(stderr, "bench_peers: %s\n", tree.error().message.c_str()), std::exit(1);

@@ -56,8 +56,9 @@ TEST(IsolatedPair, GainsNoEnergyWithoutDissipationEither)
 {
 	const Worst worst = collideMany(unitCube(), 0, 300);
 	EXPECT_GT(worst.touched, 250);
-	// An energy tank that returned nothing would pass the test above.
-	EXPECT_GT(worst.mean, 0.5);
+	// An energy tank that returned nothing would pass the test above. So much dissipation returns nothing: what bodies keep then is what
+	// they have along the contact.
+	EXPECT_GT(worst.mean, collideMany(unitCube(), 1e6, 300).mean + 0.15);
 }
 
 TEST(Restitution, FollowsHuntAndCrossleysClosedForm)

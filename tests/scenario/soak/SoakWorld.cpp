@@ -23,14 +23,17 @@ bool isFinite(const btVector3& v) { return std::isfinite(double(v.x())) && std::
 }  // namespace
 
 Solids::Solids()
-	: cube(ist::makeBoxMesh({0.4, 0.4, 0.4}), kSpheres, true),
-	  ring(ist::makeTorusMesh(0.45, 0.18, 16, 10), 2 * kSpheres, true),
+	: cube(ist::makeBoxMesh({0.4, 0.4, 0.4}), kSpheres),
+	  ring(ist::makeTorusMesh(0.45, 0.18, 16, 10), 2 * kSpheres),
 	  cone(ist::makeConeMesh(0.45, 0.9, 16), kSpheres),
 	  ringTriangles(ring.mesh)
 {
 	for (const ist::Vec3& p : cone.mesh.vertices) coneHull.addPoint(vec(p), false);
 	coneHull.recalcLocalAabb();
 	coneHull.setMargin(0);
+	auto leaves = std::make_shared<ist::InnerSphereTree>(*cone.tree);
+	leaves->surface = {};
+	cone.tree = leaves;
 }
 
 bool Actor::isFinite() const

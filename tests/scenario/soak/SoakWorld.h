@@ -17,7 +17,7 @@ using Random = std::mt19937_64;
 inline double between(Random& random, double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); }
 inline int below(Random& random, int count) { return std::uniform_int_distribution<int>(0, count - 1)(random); }
 
-/// Solids of a few spheres, each about 1 m wide; cube and ring have a surface. They are made once and shared by all worlds.
+/// Solids of a few spheres, each about 1 m wide; the cone has no surface. They are made once and shared by all worlds.
 struct Solids
 {
 	scenario::Solid cube, ring, cone;

@@ -146,6 +146,8 @@ class Query(Shared):
     def setUpClass(cls):
         super().setUpClass()
         cls.levelled = bh.with_levels(cls.box)
+        cls.leaves = bh.build(*box((.2, .1, .06), centre=(3, 4, 5)), spheres=3000, surface=False)
+        cls.levelled_leaves = bh.with_levels(cls.leaves)
 
     def test_volume_and_force_of_slabs(self):
         depth = .02  # on the faces of .1 x .06: V = A depth; at depth s the face is the nearest side on (.1 - 2 s) (.06 - 2 s)
@@ -159,15 +161,14 @@ class Query(Shared):
 
     def test_contact_surface_adds_up_to_the_force(self):
         X = (.19, .01, .02, 0, 0, 0, 1)
-        sharp = bh.build(*box((.2, .1, .06), centre=(3, 4, 5)), spheres=300, surface=True)
-        points, whole = bh.contact_surface(sharp, sharp, X, stiffness=1e6), bh.query(sharp, sharp, X, stiffness=1e6)
+        points, whole = bh.contact_surface(self.box, self.box, X, stiffness=1e6), bh.query(self.box, self.box, X, stiffness=1e6)
         forces = points["normal"] * (points["area"] * points["pressure"])[:, None]
         size = np.linalg.norm(forces, axis=1).sum()
         np.testing.assert_allclose(forces.sum(axis=0), whole["force"], atol=1e-5 * size)
         self.assertGreater(len(points["area"]), 10)
         self.assertTrue(points["of_a"].any() and not points["of_a"].all())
-        self.assertEqual(len(bh.contact_surface(sharp, sharp, (5, 0, 0, 0, 0, 0, 1))["area"]), 0)
-        self.assertEqual(len(bh.contact_surface(self.box, self.box, X)["area"]), 0)
+        self.assertEqual(len(bh.contact_surface(self.box, self.box, (5, 0, 0, 0, 0, 0, 1))["area"]), 0)
+        self.assertEqual(len(bh.contact_surface(self.leaves, self.leaves, X)["area"]), 0)
 
     def test_every_shape_of_poses_says_the_same(self):
         pairs = list(self.poses(5))
@@ -215,7 +216,7 @@ class Query(Shared):
             np.testing.assert_allclose(rotation(qa) @ (rotation(X[3:]) @ p + X[:3]) + ta, rotation(qb) @ p + tb, atol=1e-12)
 
     def test_levels_keep_the_budget(self):
-        tree = self.levelled
+        tree = self.levelled_leaves
         X = (.1, .01, .005, 0, 0, 0, 1)
         full = bh.query(tree, tree, X)
         coarse = bh.query(tree, tree, X, max_pairs=int(full["pairs"]) // 4)
@@ -226,9 +227,9 @@ class Query(Shared):
 
     def test_an_accepted_error_costs_less_and_holds(self):
         poses = np.array([np.concatenate(p) for p in self.poses(100)])
-        full = bh.query(self.levelled, self.levelled, poses)
+        full = bh.query(self.levelled_leaves, self.levelled_leaves, poses)
         for error in (.1, .3):
-            answer = bh.query(self.levelled, self.levelled, poses, error=error)
+            answer = bh.query(self.levelled_leaves, self.levelled_leaves, poses, error=error)
             np.testing.assert_array_equal(answer["kept"], answer["promise"] <= error)
             self.assertGreater(answer["kept"].mean(), .9)
             self.assertGreaterEqual((self.force_errors(answer, full) <= answer["promise"]).mean(), .9)  # 95 % is what is promised

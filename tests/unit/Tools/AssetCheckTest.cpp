@@ -62,7 +62,6 @@ TEST(AssetCheck, FindsASurfaceThatLacksAnElement)
 {
 	BuildOptions options;
 	options.maxSpheres = 10;
-	options.surface = true;
 	Result<InnerSphereTree> built = buildTree(translated(makeCylinderMesh(0.1, 0.2), {100, 2, 3}), options);
 	ASSERT_TRUE(built) << built.error().message;
 	InnerSphereTree tree = std::move(built).value();

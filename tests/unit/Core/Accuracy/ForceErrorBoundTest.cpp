@@ -66,7 +66,6 @@ TEST(ForceErrorBound, LevelsThatTakeLongerThanSurfacesAreLeftOut)
 {
 	BuildOptions options;
 	options.maxSpheres = 2000;
-	options.surface = true;
 	// A box has six elements however many spheres it has, a torus more than a thousand.
 	for (const bool isBox : {true, false})
 	{

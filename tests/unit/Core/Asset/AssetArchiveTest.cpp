@@ -29,7 +29,6 @@ const Packed& packedTorus()
 {
 	static const Packed packed = [] {
 		BuildOptions options;
-		options.surface = true;
 		options.maxSpheres = 1500;
 		Packed p;
 		Result<InnerSphereTree> built = buildTree(translated(makeTorusMesh(0.3, 0.1, 48, 24), {100, -3, 20}), options);
@@ -129,7 +128,6 @@ TEST(AssetArchive, LeavesKeepTheirShapesAsFarAsIsPromised)
 		crossed.vertices.push_back(v);
 	const Pose X = {rotationMatrix(quaternionFromRotationVector({0.3, 1, -0.5})), {100, 2, 3}};
 	BuildOptions options;
-	options.surface = true;
 	options.maxSpheres = 1500;
 	int thin = 0, thick = 0;
 	for (const Mesh& mesh : {transformed(makeBoxMesh({0.5, 0.5, 0.005}), X), transformed(crossed, X)})

@@ -20,7 +20,6 @@ const InnerSphereTree& smallTree()
 {
 	static const InnerSphereTree tree = [] {
 		BuildOptions options;
-		options.surface = true;
 		options.maxSpheres = 20;
 		Result<InnerSphereTree> built = buildTree(translated(makeBoxMesh({1, 2, 3}), {5, 0, 0}), options);
 		EXPECT_TRUE(built) << built.error().message;
@@ -95,7 +94,6 @@ void expectSameSurface(const BodySurface& a, const BodySurface& b)
 TEST(AssetFile, RoundTripKeepsTheSurface)
 {
 	BuildOptions options;
-	options.surface = true;
 	options.maxSpheres = 20;
 	const Result<InnerSphereTree> built = buildTree(translated(makeCylinderMesh(0.1, 0.2), {5, 0, 0}), options);
 	ASSERT_TRUE(built) << built.error().message;

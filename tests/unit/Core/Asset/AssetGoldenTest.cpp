@@ -157,7 +157,6 @@ TEST(AssetGolden, DISABLED_WriteGoldenFiles)
 	for (const GoldenBody& body : goldenBodies())
 	{
 		BuildOptions options;
-		options.surface = true;
 		options.maxSpheres = 100;
 		options.seed = 7;
 		const Result<InnerSphereTree> tree = buildTree(body.mesh, options);

@@ -22,7 +22,6 @@ const InnerSphereTree& sourceTree()
 {
 	static const InnerSphereTree tree = [] {
 		BuildOptions options;
-		options.surface = true;
 		options.maxSpheres = 30;
 		Result<InnerSphereTree> built = buildTree(translated(makeBoxMesh({0.3, 0.2, 0.1}), {1, 2, 3}), options);
 		EXPECT_TRUE(built) << built.error().message;

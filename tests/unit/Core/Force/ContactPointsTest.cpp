@@ -20,7 +20,6 @@ namespace
 InnerSphereTree treeOf(const Mesh& mesh)
 {
 	BuildOptions options;
-	options.surface = true;
 	options.maxSpheres = 300;
 	return buildTree(mesh, options).value();
 }

@@ -16,13 +16,16 @@ namespace
 {
 constexpr Vec3 kHalf{0.5, 0.4, 0.3};
 
+/// Without a surface: only leaves reach beyond the body.
 const InnerSphereTree& box()
 {
 	static const InnerSphereTree tree = [] {
 		BuildOptions options;
 		options.maxSpheres = 500;
 		Result<InnerSphereTree> built = buildTree(makeBoxMesh(kHalf), options);
-		return built ? std::move(built).value() : InnerSphereTree();
+		if (!built) return InnerSphereTree();
+		built.value().surface = {};
+		return std::move(built).value();
 	}();
 	return tree;
 }

@@ -21,7 +21,9 @@ std::shared_ptr<const ist::InnerSphereTree> cubeTree(double side, int spheres)
 {
 	ist::BuildOptions options;
 	options.maxSpheres = spheres;
-	return std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({side / 2, side / 2, side / 2}), options).value());
+	auto tree = std::make_shared<ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({side / 2, side / 2, side / 2}), options).value());
+	tree->surface = {};  // a list holds pairs of leaves
+	return tree;
 }
 
 /// Cubes that rock and slide on a soft block.

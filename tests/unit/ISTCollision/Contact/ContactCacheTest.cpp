@@ -26,6 +26,17 @@ std::shared_ptr<const ist::InnerSphereTree> cubeTree()
 	return tree;
 }
 
+/// The same without a surface: contact is that of the leaves.
+std::shared_ptr<const ist::InnerSphereTree> leafTree()
+{
+	static const auto tree = [] {
+		auto made = std::make_shared<ist::InnerSphereTree>(*cubeTree());
+		made->surface = {};
+		return made;
+	}();
+	return tree;
+}
+
 btVector3 vec(double x, double y, double z) { return btVector3(btScalar(x), btScalar(y), btScalar(z)); }
 btTransform at(const btVector3& p, const btVector3& turn = btVector3(0, 0, 0))
 {
@@ -42,10 +53,12 @@ struct Pair
 	btCollisionWorld world{&dispatcher, &broadphase, &configuration};
 	btISTRegistration registration = btISTCollisionAlgorithm::registerAlgorithm(&dispatcher);
 	btBoxShape cube{vec(.5, .5, .5)};
-	btISTAttachment attachment = registration.registry().attach(&cube, cubeTree()).value();
+	btISTAttachment attachment;
 	btCollisionObject upper, lower;
 
-	explicit Pair(const btISTContactCache& contactCache, btCollisionShape* under = nullptr)
+	explicit Pair(const btISTContactCache& contactCache, btCollisionShape* under = nullptr,
+		const std::shared_ptr<const ist::InnerSphereTree>& tree = cubeTree())
+		: attachment(registration.registry().attach(&cube, tree).value())
 	{
 		EXPECT_FALSE(registration.setContactCache(contactCache));
 		upper.setCollisionShape(&cube);
@@ -337,7 +350,7 @@ TEST(btISTContactCache, PairThatWasNotWatchedIsAskedAgain)
 
 TEST(btISTContactCache, OtherOptionsOfTheQueryAreSeenWhileNothingMoves)
 {
-	Pair pair(kTolerant);
+	Pair pair(kTolerant, nullptr, leafTree());
 	pair.look(at(vec(0, 1.001, 0)));
 	const bool touched = pair.contact()->patchCount > 0;
 	pair.registration.requireInnerOverlap(true);
@@ -401,7 +414,7 @@ TEST(btISTContactCache, ChangedWeightsChooseTheLevelAnewWhileNothingMoves)
 TEST(btISTContactCache, CoarseWhereTheHandIsNot)
 {
 	const auto look = [](std::optional<double> general, std::optional<double> ofUpper, std::optional<double> ofLower) {
-		Pair pair(kTolerant);
+		Pair pair(kTolerant, nullptr, leafTree());
 		EXPECT_FALSE(pair.registration.setForceError(general.value_or(0)));
 		EXPECT_FALSE(pair.registration.setForceErrorOf(&pair.upper, ofUpper));
 		EXPECT_FALSE(pair.registration.setForceErrorOf(&pair.lower, ofLower));
@@ -415,7 +428,7 @@ TEST(btISTContactCache, CoarseWhereTheHandIsNot)
 	EXPECT_EQ(look({}, {}, 0.5).total.pairs, coarse.total.pairs) << "of one body alone";
 	EXPECT_EQ(look(0.5, 0.02, 0.9).total.pairs, look(0.02, {}, {}).total.pairs) << "the smaller of two";
 
-	Pair pair(kTolerant);
+	Pair pair(kTolerant, nullptr, leafTree());
 	EXPECT_TRUE(pair.registration.setForceErrorOf(&pair.upper, 1.1));
 	EXPECT_TRUE(pair.registration.setForceErrorOf(&pair.upper, -0.1));
 	EXPECT_FALSE(pair.registration.setForceErrorOf(&pair.upper, 0.5));
@@ -440,8 +453,10 @@ TEST(btISTContactCache, DampingIsThatOfTheWeightsThatThePairHasNow)
 			rule->constants.dissipation = dissipation;
 			pair.look(at(vec(.1, .8, .2)));
 			const btISTContact& c = *pair.contact();
-			const auto exact =
-				ist::queryOverlapBruteForce(*cubeTree(), *cubeTree(), c.X_AB, ist::Model::Law, {weightA, 1 - weightA}).total.damping;
+			ist::QueryOptions options;
+			options.damping = {weightA, 1 - weightA};
+			ist::QueryWorkspace workspace;
+			const auto exact = ist::queryOverlap(*cubeTree(), *cubeTree(), c.X_AB, workspace, options).total.damping;
 			ist::OverlapIntegrals sum;
 			for (int i = 0; i < c.patchCount; ++i) sum.add(c.patches[i]);
 			for (const ist::OverlapIntegrals& o : {c.total, sum})

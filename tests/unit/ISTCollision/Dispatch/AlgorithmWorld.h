@@ -74,22 +74,33 @@ struct TestWorld
 struct CollectPoints : btCollisionWorld::ContactResultCallback
 {
 	int count = 0;
-	btVector3 normal{0, 0, 0};  // normal on the second object
+	btVector3 normal{0, 0, 0};  // normal on the second object, at the deepest point
 	double deepest = 0;
 	btScalar addSingleResult(
 		btManifoldPoint& p, const btCollisionObjectWrapper*, int, int, const btCollisionObjectWrapper*, int, int) override
 	{
 		++count;
-		normal = p.m_normalWorldOnB;
+		if (double(p.getDistance()) < deepest || count == 1) normal = p.m_normalWorldOnB;
 		deepest = std::min(deepest, double(p.getDistance()));
 		return 0;
 	}
 };
 
-/// Attaches the tree of the cube to `shape` in the registry while the returned attachment lives.
-inline btISTAttachment attach(btISTRegistration& r, const btCollisionShape& shape)
+/// The tree of the cube without a surface: contact is that of the leaves.
+inline std::shared_ptr<const ist::InnerSphereTree> leavesOfBox()
 {
-	auto result = r.registry().attach(&shape, boxTree());
+	static const auto tree = [] {
+		auto made = std::make_shared<ist::InnerSphereTree>(*boxTree());
+		made->surface = {};
+		return made;
+	}();
+	return tree;
+}
+
+/// Attaches the tree of the cube to `shape` in the registry while the returned attachment lives.
+inline btISTAttachment attach(btISTRegistration& r, const btCollisionShape& shape, decltype(boxTree()) tree = boxTree())
+{
+	auto result = r.registry().attach(&shape, tree);
 	EXPECT_TRUE(result) << (result ? "" : result.error().message);
 	return result ? std::move(result).value() : btISTAttachment();
 }

@@ -277,7 +277,7 @@ TEST(btISTCollisionAlgorithm, GateShutsOutWhatOnlyTouches)
 	TestWorld w;
 	btISTRegistration r = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher);
 	btBoxShape shape(btVector3(.5, .5, .5));
-	const btISTAttachment attachment = attach(r, shape);
+	const btISTAttachment attachment = attach(r, shape, leavesOfBox());
 	w.add(&shape, 0, at(0, 0, 0));
 	btRigidBody* const upper = w.add(&shape, 1, at(.1, 1, .1));
 	const auto volumeAt = [&](double height, bool gate) {
@@ -297,7 +297,7 @@ TEST(btISTCollisionAlgorithm, AcceptedErrorChoosesTheLevelOfEachPairAndFades)
 	TestWorld w;
 	btISTRegistration r = btISTCollisionAlgorithm::registerAlgorithm(&w.dispatcher, w.broadphase.getOverlappingPairCache());
 	btBoxShape lowerShape(btVector3(.5, .5, .5)), upperShape(btVector3(.5, .5, .5));
-	const btISTAttachment lower = attach(r, lowerShape), upper = attach(r, upperShape);
+	const btISTAttachment lower = attach(r, lowerShape, leavesOfBox()), upper = attach(r, upperShape, leavesOfBox());
 	w.add(&lowerShape, 0, at(0, 0, 0));
 	btRigidBody* const body = w.add(&upperShape, 1, at(.1, .7, .1));
 	const auto look = [&](int steps) -> const btISTContact& {

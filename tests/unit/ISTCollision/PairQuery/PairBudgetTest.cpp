@@ -11,11 +11,14 @@
 
 namespace
 {
+/// A tree without a surface: contact is that of the leaves.
 std::shared_ptr<const ist::InnerSphereTree> cubeTree()
 {
 	ist::BuildOptions options;
 	options.maxSpheres = 300;
-	return std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value());
+	auto tree = std::make_shared<ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value());
+	tree->surface = {};
+	return tree;
 }
 
 /// A cube of side 1 with a tree, above an equal cube or another shape.
