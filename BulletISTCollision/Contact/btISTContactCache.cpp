@@ -13,14 +13,19 @@
 
 namespace
 {
-constexpr double kShareOfError = 0.5, kShareOfLength = 0.25;
+constexpr double kShareOfError = 0.25, kShareOfLength = 0.25;
 constexpr double kLeastTrust = 1.0 / 64, kRegain = 1.5;
 
-/// Radius that contains all leaves, about the tree's origin [m].
-double reachOf(const ist::BallTree& tree)
+/// Radius that contains all leaves and the surface, about the tree's origin [m].
+double reachOf(const ist::InnerSphereTree& tree)
 {
 	double reach = 0;
-	const ist::BallNode& root = tree.nodes[0];
+	if (!tree.surface.empty())
+	{
+		const ist::SurfaceNode& root = tree.surface.surface.nodes[0];
+		reach = norm(ist::toVec3(root.center)) + double(root.radius);
+	}
+	const ist::BallNode& root = tree.law.nodes[0];
 	for (int k = 0; k < ist::BallNode::kWidth; ++k)
 		if (root.child[k] != ist::BallNode::kNoChild)
 			reach = std::max(reach, norm(ist::Vec3{root.x[k], root.y[k], root.z[k]}) + double(root.r[k]));
@@ -41,11 +46,12 @@ ist::Vec3 forceOf(const btISTContact& c) { return ist::pressureWrench(c.total, w
 
 double referenceForce(const btISTContact& c) { return std::max(norm(forceOf(c)), floorOf(c)); }
 
-double motionLimit(const btISTContact& c)
+/// Way after which what does not touch yet may matter [m].
+double motionLimit(const btISTContact& c, double tolerance)
 {
-	const double errors = c.treeA->errorLength() + (c.treeB ? c.treeB->errorLength() : 0);
-	// Contact of surfaces may be shallower than the errors of leaves, and the first order holds for a share of its depth only.
-	return kShareOfLength * (c.total.surfaceVolume > 0 ? std::min(errors, ist::meanDepth(c.total)) : errors);
+	const double errors = kShareOfLength * (c.treeA->errorLength() + (c.treeB ? c.treeB->errorLength() : 0));
+	// Contact of surfaces may be shallower than the errors of leaves. Another place then gets no deeper than the way.
+	return c.total.surfaceVolume > 0 ? std::min(errors, tolerance * ist::meanDepth(c.total)) : errors;
 }
 }  // namespace
 
@@ -65,7 +71,7 @@ btISTCachedResult::Use btISTCachedResult::use(
 		if (far) m_pause = 0;
 		return far ? Apart : Ask;
 	}
-	return tolerant && follow(contact, kShareOfError * contactCache.maxError * m_trust) ? Moved : Ask;
+	return tolerant && follow(contact, contactCache.maxError) ? Moved : Ask;
 }
 
 bool btISTCachedResult::wantsClearance()
@@ -82,20 +88,22 @@ bool btISTCachedResult::isFar(const btISTContact& contact) const
 	if (!(m_clearance > 0)) return false;
 	const ist::InnerSphereTree &A = *contact.treeA, *B = contact.treeB.get();
 	// Each body's motion is bounded in the frame of the other; the smaller bound counts.
-	double way = ist::farthestMotion(inverse(m_X_asked), inverse(contact.X_AB), A.origin, reachOf(A.law));
-	if (B) way = std::min(way, ist::farthestMotion(m_X_asked, contact.X_AB, B->origin, reachOf(B->law)));
+	double way = ist::farthestMotion(inverse(m_X_asked), inverse(contact.X_AB), A.origin, reachOf(A));
+	if (B) way = std::min(way, ist::farthestMotion(m_X_asked, contact.X_AB, B->origin, reachOf(*B)));
 	return way < m_clearance;
 }
 
-/// Moves the sums to first order. Returns false when they are not accurate enough any more. `allowed`: limit of the force change, as a
-/// share of the reference force, and of the rotation [rad].
-bool btISTCachedResult::follow(btISTContact& contact, double allowed)
+/// Moves the sums to first order. Returns false when they are not accurate enough any more.
+bool btISTCachedResult::follow(btISTContact& contact, double tolerance)
 {
+	// Limit of the force change, as a share of the reference force, and of the rotation [rad].
+	const double allowed = kShareOfError * tolerance * m_trust;
 	constexpr double kWorthLearning = 2;  // far beyond the limits, the error of the first order is not measured
 	if (!(contact.total.volume > 0)) return false;
 	const ist::Vec3 &origin = contact.treeA->origin, centroid = contact.total.firstMoment / contact.total.volume;
 	const ist::Twist sinceAsked = ist::motionOfB(m_X_asked, contact.X_AB, origin + centroid);
-	const double moved = std::max(norm(sinceAsked.angular) / allowed, norm(sinceAsked.linear) / (m_trust * motionLimit(contact)));
+	const double moved = std::max(
+		norm(sinceAsked.angular) / allowed, norm(sinceAsked.linear) / (m_trust * motionLimit(contact, tolerance)));
 	if (!(moved <= kWorthLearning)) return false;
 
 	const ist::Twist motion = ist::motionOfB(m_X_last, contact.X_AB, origin);

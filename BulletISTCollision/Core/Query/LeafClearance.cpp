@@ -16,6 +16,8 @@ namespace
 // kStretch: poses are rigid only within 1e-4. kRounding: queries compare positions as floats.
 constexpr double kStretch = 1e-3, kRounding = 1e-5;
 
+/// Depth and surface may be wrong by so many of their largest standard errors: contact begins before the elements meet.
+constexpr double kErrorsOfSurfaces = 4;
 constexpr int kOpenedOfBinary = 4;  // binary nodes are opened for one of eight children, at about the same cost
 
 struct Ball
@@ -166,7 +168,11 @@ double leafClearance(const InnerSphereTree& A, const InnerSphereTree& B, const P
 {
 	if (!isRigid(X_AB) || A.law.empty() || B.law.empty()) return 0;
 	const Pose X = treePose(A, B, X_AB);
-	if (!A.surface.empty() && !B.surface.empty()) return surfaceClearance(A.surface.surface, B.surface.surface, X, mostOpened);
+	if (!A.surface.empty() && !B.surface.empty())
+	{
+		const double between = surfaceClearance(A.surface.surface, B.surface.surface, X, mostOpened);
+		return std::max(between - kErrorsOfSurfaces * (double(A.surface.tables.error) + double(B.surface.tables.error)), 0.0);
+	}
 	const auto expand = [&](const BallPair& pair, const auto& keep) {
 		const bool first = pair.b.isBlock() || (!pair.a.isBlock() && pair.a.r >= pair.b.r);
 		forEachChild(first ? A.law.nodes[pair.a.id] : B.law.nodes[pair.b.id], [&](const Ball& child) {

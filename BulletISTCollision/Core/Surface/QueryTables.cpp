@@ -235,6 +235,8 @@ QueryTables buildQueryTables(const ContactSurface& surface, const DepthField& fi
 	QueryTables tables;
 	tables.quads = quadsOf(surface);
 	tables.cellRadius = medianRadius(field);
+	for (const SurfaceElement& e : surface.elements) tables.error = std::max(tables.error, e.error);
+	for (const DepthCell& c : field.cells) tables.error = std::max(tables.error, c.error);
 	PartitionTable(field, tables).build();
 	return tables;
 }

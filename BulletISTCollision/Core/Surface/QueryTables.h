@@ -37,6 +37,7 @@ struct QueryTables
 	float voxelsPerLength[3] = {};    ///< [1/m]
 	int32_t size[3] = {};             ///< number of voxels along each axis
 	float cellRadius = 0;             ///< median of the cells' radii [m]
+	float error = 0;                  ///< largest error of an element or a cell [m]
 
 	bool empty() const { return quads.empty(); }
 	/// Size of the arrays [bytes].

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Query/LeafClearance.h"
 
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "tests/unit/Core/Query/QueryBodies.h"
 
@@ -95,6 +97,34 @@ TEST(LeafClearance, QueryFindsNothingWhileNoPointHasComeNearerByIt)
 		}
 	}
 	EXPECT_GT(apart, 10);
+}
+
+// One body advances to the other by the clearance again and again. The field of a torus of few cells is wrong by more than its flush faces.
+TEST(LeafClearance, BodiesWithSurfacesAdvanceByItWithoutContact)
+{
+	std::mt19937 random(6);
+	BuildOptions options;
+	options.maxSpheres = 200;
+	const InnerSphereTree ring = buildTree(translated(makeTorusMesh(0.5, 0.2, 48, 24), {1, 2, 3}), options).value(),
+						  tube = buildTree(makeTorusKnotMesh(2, 1, 0.2), options).value();
+	QueryWorkspace workspace;
+	int advanced = 0;
+	for (int trial = 0; trial < 200; ++trial)
+	{
+		const InnerSphereTree &A = trial % 2 ? ring : tube, &B = trial % 4 < 2 ? ring : tube;
+		const Vec3 way = normalized(randomVector(random, 1));
+		Pose X{rotationMatrix(quaternionFromRotationVector(randomVector(random, 3))), {}};
+		X.translation = A.origin + 7 * way + randomVector(random, 1) - X.rotation * B.origin;
+		for (int i = 0; i < 60; ++i)
+		{
+			const double clearance = leafClearance(A, B, X, kMostOpenedForClearance);
+			if (!(clearance > 1e-4)) break;
+			X.translation = X.translation - 0.999 * clearance * way;
+			++advanced;
+			ASSERT_EQ(queryOverlap(A, B, X, workspace).total.pairs, 0) << trial << ", " << i;
+		}
+	}
+	EXPECT_GT(advanced, 1000);
 }
 
 TEST(LeafClearance, OfASphereIsItsDistanceFromTheNearestBall)
