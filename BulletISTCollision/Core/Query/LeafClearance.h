@@ -8,11 +8,11 @@ namespace ist
 {
 constexpr int kMostOpenedForClearance = 64;
 
-/// Lower bound of the clearance between two bodies [m]: of their surfaces if both have one, otherwise of their leaves. A query with
-/// Model::Law finds nothing until a point of one body has come nearer to the other by more than this. The bound is never negative; 0 means
-/// that no clearance is known. It measures the bounding balls, which reach beyond the surface; for the distance of the bodies use
-/// queryDistance. X_AB: pose of B's mesh frame in A's. Opens at most `mostOpened` nodes, and never more than kMostOpenedForClearance; with
-/// fewer nodes the bound is smaller. No allocation.
+/// Lower bound of the clearance between two bodies [m]: of their surfaces, less several of their largest errors, if both have one,
+/// otherwise of their leaves. A query with Model::Law finds nothing until a point of one body has come nearer to the other by more than
+/// this. The bound is never negative; 0 means that no clearance is known. It measures the bounding balls, which reach beyond the surface;
+/// for the distance of the bodies use queryDistance. X_AB: pose of B's mesh frame in A's. Opens at most `mostOpened` nodes, and never more
+/// than kMostOpenedForClearance; with fewer nodes the bound is smaller. No allocation.
 double leafClearance(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, int mostOpened);
 /// Lower bound of the clearance between the leaves of A and a body in closed form [m]. X_AF: pose of the field's frame in A's mesh frame.
 double leafClearance(const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, int mostOpened);

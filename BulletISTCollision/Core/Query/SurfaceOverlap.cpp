@@ -92,6 +92,7 @@ void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, const
 	const double G[6] = {n.x, n.y, n.z, tn.x, tn.y, tn.z}, H[6] = {g.x, g.y, g.z, tg.x, tg.y, tg.z};
 	SymmetricMatrix6& stiffness = sign > 0 ? sums.stiffnessA : sums.stiffnessB;
 	addSymmetric(stiffness, G, H, 1);
+	// Along a curved face the normal turns, and takes back what the way from the center adds: a screw slides along its thread.
 	const bool flat = isZero(face.spread);
 	if (flat) addSpin(stiffness, face.second, n, g, 1 / face.area);
 	// The body whose depth presses moves along its own normals, which the depth's gradient has all along the columns below the face.

@@ -16,16 +16,15 @@ namespace
 {
 constexpr Vec3 kHalf{0.5, 0.4, 0.3};
 
-/// Without a surface: only leaves reach beyond the body.
+/// A box without a surface, because only leaves reach beyond the body.
 const InnerSphereTree& box()
 {
 	static const InnerSphereTree tree = [] {
 		BuildOptions options;
 		options.maxSpheres = 500;
+		options.surface = false;
 		Result<InnerSphereTree> built = buildTree(makeBoxMesh(kHalf), options);
-		if (!built) return InnerSphereTree();
-		built.value().surface = {};
-		return std::move(built).value();
+		return built ? std::move(built).value() : InnerSphereTree();
 	}();
 	return tree;
 }

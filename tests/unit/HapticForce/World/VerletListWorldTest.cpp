@@ -21,9 +21,8 @@ std::shared_ptr<const ist::InnerSphereTree> cubeTree(double side, int spheres)
 {
 	ist::BuildOptions options;
 	options.maxSpheres = spheres;
-	auto tree = std::make_shared<ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({side / 2, side / 2, side / 2}), options).value());
-	tree->surface = {};  // a list holds pairs of leaves
-	return tree;
+	options.surface = false;  // a list holds pairs of leaves
+	return std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({side / 2, side / 2, side / 2}), options).value());
 }
 
 /// Cubes that rock and slide on a soft block.

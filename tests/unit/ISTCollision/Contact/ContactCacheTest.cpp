@@ -26,7 +26,7 @@ std::shared_ptr<const ist::InnerSphereTree> cubeTree()
 	return tree;
 }
 
-/// The same without a surface: contact is that of the leaves.
+/// The same tree has no surface here, so that contact is that of the leaves.
 std::shared_ptr<const ist::InnerSphereTree> leafTree()
 {
 	static const auto tree = [] {

@@ -11,14 +11,13 @@
 
 namespace
 {
-/// A tree without a surface: contact is that of the leaves.
+/// Tree of a cube without a surface, so that contact is that of the leaves.
 std::shared_ptr<const ist::InnerSphereTree> cubeTree()
 {
 	ist::BuildOptions options;
 	options.maxSpheres = 300;
-	auto tree = std::make_shared<ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value());
-	tree->surface = {};
-	return tree;
+	options.surface = false;
+	return std::make_shared<const ist::InnerSphereTree>(ist::buildTree(ist::makeBoxMesh({0.5, 0.5, 0.5}), options).value());
 }
 
 /// A cube of side 1 with a tree, above an equal cube or another shape.
