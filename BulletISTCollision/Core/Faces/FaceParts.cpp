@@ -10,12 +10,13 @@ namespace ist
 namespace
 {
 constexpr float kReach = 1.5f;      // radius that a face counts with, of that of a disc of its area
+constexpr double kVariances = 8;    // square of the distance of a triangle's corner from its centroid, of the variance along the height
 constexpr float kCellRadii = 4;     // side of a cell of the grid, of the median radius
-constexpr float kLargestRadii = 2;  // largest radius, in cells
+constexpr float kLargestRadii = 2;  // largest half length of a face, in cells
 constexpr size_t kEntriesPerFace = 8;
 }  // namespace
 
-FaceParts::FaceParts(size_t faces) : m_discs(faces), m_parent(faces), m_part(faces), m_radii(faces)
+FaceParts::FaceParts(size_t faces) : m_extents(faces), m_parent(faces), m_part(faces), m_radii(faces)
 {
 	size_t entries = 64;
 	while (entries < 2 * kEntriesPerFace * faces) entries *= 2;
@@ -24,7 +25,7 @@ FaceParts::FaceParts(size_t faces) : m_discs(faces), m_parent(faces), m_part(fac
 
 void FaceParts::makeResident()
 {
-	m_discs.touch();
+	m_extents.touch();
 	m_table.touch();
 	m_parent.touch();
 	m_part.touch();
@@ -33,8 +34,11 @@ void FaceParts::makeResident()
 
 void FaceParts::add(const ContactFace& face)
 {
-	m_discs[m_count++] = {
-		float(face.center.x), float(face.center.y), float(face.center.z), kReach * float(std::sqrt(face.area / std::numbers::pi))};
+	// A disc of the face's area reaches too short along a sliver.
+	const float radius = kReach * float(std::sqrt(face.area / std::numbers::pi));
+	const auto along = [&](double second) { return std::max(radius, float(std::sqrt(kVariances * std::max(second, 0.0) / face.area))); };
+	m_extents[m_count++] = {float(face.center.x), float(face.center.y), float(face.center.z), along(face.second.xx), along(face.second.yy),
+		along(face.second.zz), radius};
 }
 
 uint32_t FaceParts::rootOf(uint32_t face)
@@ -48,22 +52,23 @@ float FaceParts::cellSize()
 	float largest = 0;
 	for (size_t i = 0; i < m_count; ++i)
 	{
-		m_radii[i] = m_discs[i].radius;
-		largest = std::max(largest, m_discs[i].radius);
+		const Extent& e = m_extents[i];
+		m_radii[i] = e.radius;
+		largest = std::max({largest, e.alongX, e.alongY, e.alongZ});
 	}
 	float* const middle = m_radii.data() + m_count / 2;
 	std::nth_element(m_radii.data(), middle, m_radii.data() + m_count);
 	return std::max(kCellRadii * *middle, largest / kLargestRadii);
 }
 
-/// Enters a face into all cells that the box of its ball meets, and joins it with those that are there.
+/// Enters a face into all cells that its box meets, and joins it with those that are there.
 void FaceParts::enter(uint32_t face, float perSize)
 {
-	const Disc& d = m_discs[face];
+	const Extent& e = m_extents[face];
 	const auto cell = [&](float x) { return int32_t(std::floor(x * perSize)); };
-	for (int32_t x = cell(d.x - d.radius); x <= cell(d.x + d.radius); ++x)
-		for (int32_t y = cell(d.y - d.radius); y <= cell(d.y + d.radius); ++y)
-			for (int32_t z = cell(d.z - d.radius); z <= cell(d.z + d.radius); ++z) enterCell(face, x, y, z);
+	for (int32_t x = cell(e.x - e.alongX); x <= cell(e.x + e.alongX); ++x)
+		for (int32_t y = cell(e.y - e.alongY); y <= cell(e.y + e.alongY); ++y)
+			for (int32_t z = cell(e.z - e.alongZ); z <= cell(e.z + e.alongZ); ++z) enterCell(face, x, y, z);
 }
 
 void FaceParts::enterCell(uint32_t face, int32_t x, int32_t y, int32_t z)

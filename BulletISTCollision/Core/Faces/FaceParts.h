@@ -7,8 +7,8 @@
 
 namespace ist
 {
-/// Finds which faces of a contact hang together: those whose discs come near to each other. Faces are entered into the cells of a grid, and
-/// faces in one cell belong together.
+/// Finds which faces of a contact hang together: those that come near to each other. Faces are entered into the cells of a grid, and faces
+/// in one cell belong together.
 class FaceParts
 {
 public:
@@ -26,9 +26,12 @@ public:
 	uint32_t of(size_t face) const { return m_part[face]; }
 
 private:
-	struct Disc
+	/// The box around a face.
+	struct Extent
 	{
-		float x, y, z, radius;
+		float x, y, z;                 ///< center
+		float alongX, alongY, alongZ;  ///< half lengths
+		float radius;
 	};
 	struct Entry
 	{
@@ -42,7 +45,7 @@ private:
 	void enterCell(uint32_t face, int32_t x, int32_t y, int32_t z);
 	uint32_t rootOf(uint32_t face);
 
-	DemandZeroArray<Disc> m_discs;
+	DemandZeroArray<Extent> m_extents;
 	DemandZeroArray<Entry> m_table;  // open addressing
 	DemandZeroArray<uint32_t> m_parent, m_part;
 	DemandZeroArray<float> m_radii;
