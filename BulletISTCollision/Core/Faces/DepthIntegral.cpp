@@ -71,7 +71,7 @@ void DepthIntegral::addColumn(const ContactFace& face, bool isOfB)
 	const double mean = face.depth / face.area;
 	// The depth at the center of pressure is Int d^2 / Int d where the depth is linear.
 	const double atPressure = std::clamp(mean + dot(face.gradient, face.pressureCenter - face.center), mean, 2 * mean);
-	const double column = std::max(0.0, dot(face.pressure, face.gradient));
+	const double column = dot(face.pressure, face.gradient);
 	side.columns += column;
 	side.energy += 0.5 * column * atPressure;
 }

@@ -35,8 +35,9 @@ void toFrame(const Pose& X, ContactFace& face)
 }
 
 /// Volume of the columns from the face along the depth's gradient to the other body's surface [m^3]; too small where these lines
-/// come from an edge or from the medial axis.
-double columnVolume(const ContactFace& face) { return std::max(0.0, dot(face.pressure, face.gradient)); }
+/// come from an edge or from the medial axis. Negative where the body lies on the face's far side from there: the sum over the faces
+/// of one body is at most the volume, as depths are concave.
+double columnVolume(const ContactFace& face) { return dot(face.pressure, face.gradient); }
 
 void addSquare(double (&m)[6], const Vec3& x, double w)
 {
@@ -77,7 +78,7 @@ bool isZero(const Mat3& m)
 /// Volume of the columns of a face, with the weight of the body whose depth presses there.
 double weightedColumns(const ContactFace& face, double sign, const DampingWeights& weights)
 {
-	return (sign > 0 ? weights.A : weights.B) * columnVolume(face);
+	return (sign > 0 ? weights.A : weights.B) * std::max(columnVolume(face), 0.0);
 }
 
 /// Adds what a face says of forces, stiffness and damping; everything but the volume. `sign`: 1 for a face of B, -1 for one of A.
