@@ -19,6 +19,11 @@ Wrench turnedAbout(const Vec3& center, const Wrench& w, const Vec3& by)
 	const Vec3 force = cross(by, w.force), rest = w.torque - cross(center, w.force);
 	return {force, cross(center, force) + cross(by, rest)};
 }
+/// Change of a wrench that moves as a whole with the motion.
+Wrench movedWith(const Twist& motion, const Wrench& w)
+{
+	return {cross(motion.angular, w.force), cross(motion.angular, w.torque) + cross(motion.linear, w.force)};
+}
 }  // namespace
 
 Twist motionOfB(const Pose& X_before, const Pose& X_after, const Vec3& point)
@@ -45,8 +50,12 @@ void moveB(OverlapIntegrals& sums, const Twist& motion)
 	sums.depthA += work(0.5 * ofA - sums.normalA, motion);
 	sums.depthB += work(0.5 * ofB + sums.normalB, motion);
 	const Vec3 centroid = sums.volume > 0 ? sums.firstMoment / sums.volume : Vec3();
-	sums.normalA = sums.normalA - ofA;
-	sums.normalB = sums.normalB + ofB + turnedAbout(centroid, sums.normalB, motion.angular);
+	// The stiffness of surfaces is the symmetric part of a derivative whose other part follows from the wrench: half of what the wrench
+	// changes by when it moves with B (docs/model.md, section 3).
+	const double share = sums.volume > 0 ? sums.surfaceVolume / sums.volume : 0;
+	sums.normalA = sums.normalA - ofA + 0.5 * share * movedWith(motion, sums.normalA);
+	sums.normalB = sums.normalB + ofB + 0.5 * share * movedWith(motion, sums.normalB) +
+		(1 - share) * turnedAbout(centroid, sums.normalB, motion.angular);
 	if (!(sums.volume > 0)) return;
 	const Vec3 atCentroid = motion.linear + cross(motion.angular, centroid);
 	const double growth = std::max(1 + dot(sums.areaVector, atCentroid) / sums.volume, 0.0);

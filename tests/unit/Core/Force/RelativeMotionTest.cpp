@@ -118,6 +118,38 @@ TEST(RelativeMotion, PlaneThatRisesAndTiltsActsAsArchimedesSays)
 	EXPECT_NEAR(tilted.normalB.torque.x, tilt * metacentric, 0.05 * tilt / 12);
 }
 
+TEST(RelativeMotion, WrenchesOfSurfacesFollowTheirDerivatives)
+{
+	RandomPose random(4);
+	QueryWorkspace workspace;
+	BuildOptions options;
+	options.maxSpheres = 300;
+	const InnerSphereTree A = buildTree(makeBoxMesh({0.5, 0.35, 0.25}), options).value();
+	const double size = 0.5;
+	int checked = 0;
+	for (int trial = 0; trial < 40; ++trial)
+	{
+		Pose X = random.pose(0);
+		X.translation = 0.45 * normalized(random.vector(1));
+		const OverlapIntegrals before = queryOverlap(A, A, X, workspace).total;
+		if (before.volume < 1e-4) continue;
+		++checked;
+		const Pose step{rotationMatrix(quaternionFromRotationVector(2e-3 * normalized(random.vector(1)))), random.vector(5e-4)};
+		const OverlapIntegrals up = queryOverlap(A, A, step * X, workspace).total,
+							   down = queryOverlap(A, A, inverse(step) * X, workspace).total;
+		OverlapIntegrals moved = before;
+		moveB(moved, motionOfB(X, step * X, A.origin));
+		const auto sizeOf = [&](const Wrench& w) { return std::hypot(size * norm(w.force), norm(w.torque)); };
+		const auto expectDerivative = [&](const Wrench& high, const Wrench& low, const Wrench& change) {
+			const Wrench derivative = 0.5 * (high - low);
+			EXPECT_LT(sizeOf(change - derivative), 0.01 * sizeOf(derivative) + 1e-5 * before.volume * size) << trial;
+		};
+		expectDerivative(up.normalA, down.normalA, moved.normalA - before.normalA);
+		expectDerivative(up.normalB, down.normalB, moved.normalB - before.normalB);
+	}
+	EXPECT_GT(checked, 20);
+}
+
 TEST(RelativeMotion, WithoutMotionNothingChangesByABit)
 {
 	const InnerSphereTree A = cloudBody(100, 1), B = cloudBody(100, 2);
