@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/Geometry/Lens.h"
 #include "BulletISTCollision/Core/Query/FieldClipper.h"
 #include "BulletISTCollision/Core/Query/InnerOverlap.h"
+#include "BulletISTCollision/Core/Query/LevelQuery.h"
 #include "BulletISTCollision/Core/Query/QueryWorkspaceState.h"
 
 #include <algorithm>
@@ -254,6 +255,27 @@ void FieldQuery::publishPairs()
 	m_result.pairCount = m_pairs;
 }
 
+/// Whether A's surface answers, and not its leaves. X: pose of the field's frame in A's tree frame.
+bool answersSurface(const InnerSphereTree& A, const AnalyticField& field, const Pose& X, const QueryOptions& options)
+{
+	return wantSurfaces(options, options.level) && !A.surface.empty() &&
+		PlanarBody::canLayOut(field, ballAround(A.surface.surface, inverse(X)));
+}
+
+/// Answers with the surfaces of both bodies. Returns false if there are more faces than the workspace holds.
+bool querySurfaceInField(const InnerSphereTree& A, const AnalyticField& field, const Pose& X, QueryWorkspace::Implementation& work,
+	const QueryOptions& options, OverlapResult& result)
+{
+	result.ballsA = &A.law;
+	++result.nodeVisits;
+	if (!work.planar.place(field, ballAround(A.surface.surface, inverse(X)))) return true;
+	const QueryLimits limits{-1, work.capacity.patches};
+	const Pose X_AB = X * work.planar.X_FB();
+	return querySurfaces(A.surface, work.planar.body(), X_AB, work, options, limits, result) == SurfaceAnswer::Good;
+}
+
+Pose fieldInTree(const InnerSphereTree& A, const Pose& X_AF) { return {X_AF.rotation, X_AF.translation - A.origin}; }
+
 OverlapResult queryTreeInField(
 	const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace& workspace, const QueryOptions& options)
 {
@@ -263,7 +285,11 @@ OverlapResult queryTreeInField(
 		return result.status = QueryStatus::Unsupported, result;
 	const BallTree& tree = treeOf(A, options.model);
 	if (tree.empty()) return result.status = QueryStatus::EmptyTree, result;
-	const Pose X{X_AF.rotation, X_AF.translation - A.origin};
+	const Pose X = fieldInTree(A, X_AF);
+	// The sums of leaves are right however many there are.
+	if (answersSurface(A, field, X, options) && querySurfaceInField(A, field, X, workspace.implementation(), options, result))
+		return result;
+	result = {};
 	FieldQuery(tree, field, X, workspace.implementation(), options, result).run();
 	return result;
 }
@@ -272,6 +298,13 @@ OverlapResult queryTreeInField(
 OverlapResult queryField(
 	const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace& workspace, const QueryOptions& options)
 {
+	if (wantsInnerOverlap(options) && isRigid(X_AF) && answersSurface(A, field, fieldInTree(A, X_AF), options))
+	{
+		// Surfaces do not reach beyond the bodies.
+		QueryOptions sharp = options;
+		sharp.requireInnerOverlap = sharp.gate = false;
+		return queryTreeInField(A, field, X_AF, workspace, sharp);
+	}
 	return answerWithInnerOverlap(
 		options, workspace, [&](const QueryOptions& o) { return queryTreeInField(A, field, X_AF, workspace, o); });
 }

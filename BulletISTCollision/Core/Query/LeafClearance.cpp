@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Query/LeafClearance.h"
 
+#include "BulletISTCollision/Core/Surface/PlanarBody.h"
 #include "BulletISTCollision/Core/Tree/TreePose.h"
 
 #include <algorithm>
@@ -162,6 +163,49 @@ double surfaceClearance(const ContactSurface& A, const ContactSurface& B, const 
 	const SurfaceBallPair roots{ballOf(A.nodes[0]), placed(B.nodes[0]), -kUnbounded};
 	return leastBound(roots, kOpenedOfBinary * std::min(mostOpened, kMostOpenedForClearance), expand);
 }
+
+struct SurfaceBallInField
+{
+	SurfaceBall a;
+	double bound;
+	bool isFinal() const { return a.isElement(); }
+};
+
+/// Lower bound of the distance of a flat element from a body with flat sides: the largest of its distances from the sides' planes. X: pose
+/// of the element's frame in the field's.
+double gapOfPiece(const SurfaceElement& e, const AnalyticField& field, const Pose& X)
+{
+	const Vec3 center = X * toVec3(e.center), e1 = X.rotation * toVec3(e.e1), e2 = X.rotation * toVec3(e.e2);
+	double largest = -kUnbounded;
+	for (int i = 0; i < field.sideCount(); ++i)
+	{
+		const FieldSide side = field.side(i, center, {});
+		const double a = dot(side.normal, e1), b = dot(side.normal, e2);
+		const double reach = e.isTriangle ? std::max({0.0, -a, -b}) : std::fabs(a) + std::fabs(b);
+		largest = std::max(largest, -side.depth - reach);
+	}
+	return largest - kRounding * (norm(center) + norm(e1) + norm(e2));
+}
+
+double surfaceClearance(const ContactSurface& A, const AnalyticField& field, const Pose& X_FA, int mostOpened)
+{
+	const auto boundOf = [&](const SurfaceBall& ball) {
+		const double rounding = kRounding * (norm(ball.center) + norm(X_FA.translation) + ball.r);
+		const double gap = -field.depth(X_FA * ball.center) - ball.r * (1 + kStretch) - rounding;
+		if (gap > 0 || !ball.isElement()) return gap;
+		const SurfaceElement& e = A.elements[ball.child & ~SurfaceNode::kElement];
+		return isFlat(e) ? std::max(gap, gapOfPiece(e, field, X_FA)) : gap;
+	};
+	const auto expand = [&](const SurfaceBallInField& item, const auto& keep) {
+		for (uint32_t k = 0; k < 2; ++k)
+		{
+			const SurfaceBall ball = ballOf(A.nodes[item.a.child + k]);
+			keep(SurfaceBallInField{ball, boundOf(ball)});
+		}
+	};
+	const int opened = kOpenedOfBinary * std::min(mostOpened, kMostOpenedForClearance);
+	return leastBound(SurfaceBallInField{ballOf(A.nodes[0]), -kUnbounded}, opened, expand);
+}
 }  // namespace
 
 double leafClearance(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, int mostOpened)
@@ -192,6 +236,11 @@ double leafClearance(const InnerSphereTree& A, const AnalyticField& field, const
 {
 	if (!isRigid(X_AF) || A.law.empty() || !field.isValid()) return 0;
 	const Pose X_FA = inverse(Pose{X_AF.rotation, X_AF.translation - A.origin});
+	if (!A.surface.empty() && PlanarBody::canLayOut(field, ballAround(A.surface.surface, X_FA)))
+	{
+		const double between = surfaceClearance(A.surface.surface, field, X_FA, mostOpened);
+		return std::max(between - kErrorsOfSurfaces * double(A.surface.tables.error), 0.0);
+	}
 	const auto expand = [&](const BallInField& item, const auto& keep) {
 		forEachChild(A.law.nodes[item.a.id], [&](const Ball& child) {
 			const double rounding = kRounding * (norm(child.center) + norm(X_FA.translation) + child.r);

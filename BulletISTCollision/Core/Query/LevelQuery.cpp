@@ -17,39 +17,6 @@ constexpr double kUsualStep = 2.2, kLeastStep = 1.25;
 /// 1 / kFadeBegin times as many pairs as the next coarser one.
 constexpr double kFadeBegin = 0.8;
 
-enum class SurfaceAnswer
-{
-	Good,
-	OverLimit,  ///< more faces than the limit of pairs
-	Incomplete  ///< more faces than the workspace holds
-};
-
-/// Answers with the surfaces of two bodies.
-SurfaceAnswer querySurfaces(const BodySurface& A, const BodySurface& B, const Pose& X, QueryWorkspace::Implementation& work,
-	const QueryOptions& options, const QueryLimits& limits, OverlapResult& result)
-{
-	const int most = options.patches ? limits.patches : 1;
-	const int64_t mostFaces = limits.pairs < 0 ? -1 : limits.pairs / kPairsPerFace;
-	const SurfaceOverlap found = surfaceOverlap(A, B, X, *work.surfaces, options.damping, most, mostFaces);
-	result.nodeVisits = found.counts.nodes;
-	result.ballTests = found.counts.planes;
-	if (found.isOverLimit) return SurfaceAnswer::OverLimit;
-	if (found.dropped > 0) return SurfaceAnswer::Incomplete;
-	result.total = found.total;
-	result.patchCount = found.patchCount;
-	result.patches = work.patches.data();
-	result.facesA = found.ofA;
-	result.facesB = found.ofB;
-	result.faceCountA = found.countA;
-	result.faceCountB = found.countB;
-	std::copy_n(found.patches, size_t(found.patchCount), work.patches.begin());
-	const auto clear = [](OverlapIntegrals& sums) { sums.stiffnessA = sums.stiffnessB = {}; };
-	if (options.stiffness) return SurfaceAnswer::Good;
-	clear(result.total);
-	for (int p = 0; p < result.patchCount; ++p) clear(work.patches[size_t(p)]);
-	return SurfaceAnswer::Good;
-}
-
 int patchCapacity(const QueryWorkspace::Implementation& work, const QueryOptions& options)
 {
 	return options.patches ? work.capacity.patches : 1;
@@ -205,8 +172,37 @@ void BudgetedQuery::fadeOut(OverlapResult& best, int coarsest)
 
 bool answerSurfaces(const InnerSphereTree& A, const InnerSphereTree& B, const QueryOptions& options, int level)
 {
-	if (options.model != Model::Law || level > 0 || options.sortPairs || options.listMeetingBounds) return false;
-	return !A.surface.empty() && !B.surface.empty();
+	return wantSurfaces(options, level) && !A.surface.empty() && !B.surface.empty();
+}
+
+bool wantSurfaces(const QueryOptions& options, int level)
+{
+	return options.model == Model::Law && level <= 0 && !options.sortPairs && !options.listMeetingBounds;
+}
+
+SurfaceAnswer querySurfaces(const BodySurface& A, const BodySurface& B, const Pose& X, QueryWorkspace::Implementation& work,
+	const QueryOptions& options, const QueryLimits& limits, OverlapResult& result)
+{
+	const int most = options.patches ? limits.patches : 1;
+	const int64_t mostFaces = limits.pairs < 0 ? -1 : limits.pairs / kPairsPerFace;
+	const SurfaceOverlap found = surfaceOverlap(A, B, X, *work.surfaces, options.damping, most, mostFaces);
+	result.nodeVisits = found.counts.nodes;
+	result.ballTests = found.counts.planes;
+	if (found.isOverLimit) return SurfaceAnswer::OverLimit;
+	if (found.dropped > 0) return SurfaceAnswer::Incomplete;
+	result.total = found.total;
+	result.patchCount = found.patchCount;
+	result.patches = work.patches.data();
+	result.facesA = found.ofA;
+	result.facesB = found.ofB;
+	result.faceCountA = found.countA;
+	result.faceCountB = found.countB;
+	std::copy_n(found.patches, size_t(found.patchCount), work.patches.begin());
+	const auto clear = [](OverlapIntegrals& sums) { sums.stiffnessA = sums.stiffnessB = {}; };
+	if (options.stiffness) return SurfaceAnswer::Good;
+	clear(result.total);
+	for (int p = 0; p < result.patchCount; ++p) clear(work.patches[size_t(p)]);
+	return SurfaceAnswer::Good;
 }
 
 bool queryLevel(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X, QueryWorkspace::Implementation& work,

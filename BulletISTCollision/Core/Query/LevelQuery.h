@@ -8,6 +8,19 @@ namespace ist
 {
 /// Whether the surfaces of the two bodies answer at this level, and not their trees.
 bool answerSurfaces(const InnerSphereTree& A, const InnerSphereTree& B, const QueryOptions& options, int level);
+/// Whether the options leave the answer to surfaces.
+bool wantSurfaces(const QueryOptions& options, int level);
+
+enum class SurfaceAnswer
+{
+	Good,
+	OverLimit,  ///< more faces than the limit of pairs
+	Incomplete  ///< more faces than the workspace holds
+};
+
+/// Answers with the surfaces of two bodies. X: pose of B's frame in A's tree frame.
+SurfaceAnswer querySurfaces(const BodySurface& A, const BodySurface& B, const Pose& X, QueryWorkspace::Implementation& work,
+	const QueryOptions& options, const QueryLimits& limits, OverlapResult& result);
 
 /// Answers at one level of a pair. X: pose of B's tree frame in A's. Returns false when it meets the limit of pairs; `result` then holds
 /// only the counts of the work done. `list` may be null.

@@ -7,6 +7,7 @@
 #include "BulletISTCollision/Core/Query/Kernels/QueryKernel.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "BulletISTCollision/Core/Query/SurfaceOverlap.h"
+#include "BulletISTCollision/Core/Surface/PlanarBody.h"
 
 #include <vector>
 
@@ -66,6 +67,7 @@ struct QueryWorkspace::Implementation : TreeArrays
 	PatchGrouper grouper;
 	std::vector<OverlapIntegrals> patches, savedPatches;
 	std::unique_ptr<SurfaceWorkspace> surfaces;
+	PlanarBody planar;  ///< half-space or box of the last query against one, laid out for that query's pose
 
 	Implementation(const QueryCapacity& wanted, const kernels::QueryKernel* chosen);
 	/// Grows the arrays that depend on the size of the trees. Only the first query with a larger tree allocates.
