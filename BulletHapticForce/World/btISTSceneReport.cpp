@@ -55,7 +55,7 @@ std::string whyStock(const Objects& pair, const btISTRegistry& registry)
 std::string whyModel(const btISTContact& contact)
 {
 	if (contact.treeB) return "both have trees";
-	return contact.halfSpace ? "a plane: exact caps of the leaves" : "the other shape is known in closed form";
+	return contact.halfSpace ? "a plane: its closed form is exact" : "the other shape is known in closed form";
 }
 
 std::string whyUse(const btISTContact& contact, double granted)

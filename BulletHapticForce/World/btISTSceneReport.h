@@ -18,7 +18,7 @@ struct btISTPairReport
 	{
 		None,        ///< no contact is computed
 		Stock,       ///< Bullet's own contact
-		HalfSpace,   ///< leaves against a plane: exact caps
+		HalfSpace,   ///< surface or leaves against a plane
 		ClosedForm,  ///< leaves against Bullet's box, sphere, capsule, cylinder or cone
 		Trees        ///< leaves against leaves
 	};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 // Compares trees with bodies in closed form: time, and error against quadrature on the triangles of both. Overlaps are 0.1, 1 and 10 %
-// of the smaller body, in seeded random poses. Usage: bench_fields [--spheres N=10000] [--poses N=10] [--only PART-OF-NAME]
+// of the smaller body, in seeded random poses. `--flat` presses a cube of 0.1 m onto a half-space, a box and a floor of 50 m instead.
+// Usage: bench_fields [--spheres N=10000] [--poses N=10] [--only PART-OF-NAME] [--flat 1]
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
@@ -16,6 +17,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -32,13 +34,14 @@ struct Row
 	std::vector<double> angles;
 };
 
-double secondsOf(const InnerSphereTree& tree, const FieldBody& body, const Pose& X, QueryWorkspace& workspace)
+double secondsOf(
+	const InnerSphereTree& tree, const AnalyticField& field, const Pose& X, QueryWorkspace& workspace, const QueryOptions& options = {})
 {
 	std::vector<double> times;
 	for (int i = 0; i < 5; ++i)
 	{
 		const auto begin = std::chrono::steady_clock::now();
-		queryField(tree, *body.field, X, workspace);
+		queryField(tree, field, X, workspace, options);
 		times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
 	}
 	std::nth_element(times.begin(), times.begin() + 2, times.end());
@@ -69,7 +72,7 @@ Row measure(const Mesh& mesh, const InnerSphereTree& tree, const FieldBody& body
 		row.twoSigma += error <= 2 * sigma.force;
 		row.angles.push_back(
 			180 / std::numbers::pi * std::atan2(norm(cross(actual.force, expected.force)), dot(actual.force, expected.force)));
-		row.seconds += secondsOf(tree, body, X, workspace);
+		row.seconds += secondsOf(tree, *body.field, X, workspace);
 	}
 	std::sort(row.angles.begin(), row.angles.end());
 	return row;
@@ -85,11 +88,63 @@ void print(const std::string& name, double overlap, const Row& row)
 		1e6 * row.seconds / n, 1e9 * row.seconds / std::max(1.0, row.leaves));
 	std::fflush(stdout);
 }
+
+/// A cube of 0.1 m flat on closed forms at random places: the largest error of force over k V, of surfaces and of leaves, and the median
+/// times of both.
+void pressFlat(int spheres, int poses)
+{
+	constexpr double kHalf = 0.05;
+	BuildOptions options;
+	options.maxSpheres = spheres;
+	const InnerSphereTree cube = buildTree(makeBoxMesh({kHalf, kHalf, kHalf}), options).value();
+	const struct
+	{
+		const char* name;
+		Vec3 half;
+	} forms[] = {{"half-space", {}}, {"box", {0.2, 0.15, 0.03}}, {"floor", {25, 25, 0.5}}};
+	std::printf("%-10s %8s | %10s %10s | %8s %8s\n", "cube on", "depth", "surfaces", "leaves", "us", "us");
+	QueryWorkspace workspace;
+	QueryOptions ofLeaves;
+	ofLeaves.model = Model::Leaf;
+	std::mt19937 random(1);
+	std::uniform_real_distribution<double> u(-1, 1);
+	for (const auto& form : forms)
+		for (const double depth : {1e-5, 1e-4, 1e-3, 1e-2})
+		{
+			const BoxField box(form.half);
+			const HalfSpaceField plane({0, 0, 1}, 0);
+			const bool isBox = form.half.z > 0;
+			const AnalyticField& field = isBox ? static_cast<const AnalyticField&>(box) : plane;
+			double error[2] = {};
+			std::vector<double> times[2];
+			for (int i = 0; i < poses; ++i)
+			{
+				// The cube stays clear of the edges, where the walls of a box press, too.
+				const double angle = std::numbers::pi * u(random), x = std::max(form.half.x - 0.09, 0.0),
+							 y = std::max(form.half.y - 0.09, 0.0);
+				const Mat3 turn = rotationMatrix(quaternionFromRotationVector({0, 0, angle}));
+				const Pose X{turn, Vec3{0, 0, depth - kHalf - form.half.z} - turn * Vec3{x * u(random), y * u(random), 0}};
+				for (int leaves = 0; leaves < 2; ++leaves)
+				{
+					const QueryOptions asked = leaves ? ofLeaves : QueryOptions();
+					const double expected = 4 * kHalf * kHalf * depth;
+					const double force = queryField(cube, field, X, workspace, asked).total.normalB.force.z;
+					error[leaves] = std::max(error[leaves], std::fabs(force / expected - 1));
+					times[leaves].push_back(1e6 * secondsOf(cube, field, X, workspace, asked));
+				}
+			}
+			for (auto& t : times) std::nth_element(t.begin(), t.begin() + long(t.size() / 2), t.end());
+			const auto median = [&](int i) { return times[i][times[i].size() / 2]; };
+			std::printf(
+				"%-10s %6.0e m | %9.5f%% %9.3f%% | %8.1f %8.1f\n", form.name, depth, 100 * error[0], 100 * error[1], median(0), median(1));
+		}
+}
 }  // namespace
 
 int main(int argc, char** argv)
 {
 	int spheres = 10000, poses = 10;
+	bool flat = false;
 	std::string only;
 	for (int i = 1; i + 1 < argc; i += 2)
 	{
@@ -97,7 +152,9 @@ int main(int argc, char** argv)
 		if (key == "--spheres") spheres = std::atoi(argv[i + 1]);
 		else if (key == "--poses") poses = std::atoi(argv[i + 1]);
 		else if (key == "--only") only = argv[i + 1];
+		else if (key == "--flat") flat = true;
 	}
+	if (flat) return pressFlat(spheres, poses), 0;
 	std::printf("%-20s %7s %5s %7s | %6s %6s | %6s %6s %5s %5s | %6s |\n", "rms in %", "overlap", "poses", "leaves", "V bias", "V rms",
 		"F rms", "deg", "1 sig", "2 sig", "T rms");
 	const struct

@@ -14,8 +14,8 @@ Twist motionOfB(const Pose& X_before, const Pose& X_after, const Vec3& point);
 double farthestMotion(const Pose& X_before, const Pose& X_after, const Vec3& center, double radius);
 
 /// Updates the integrals, to first order, after B has moved by `motion` (of the point of B at A's origin). The forces of both fields
-/// change by their unprojected stiffness. The normals of B's leaves turn with B; of surfaces, half of each wrench moves with B. The depths
-/// change by the work of the mean force. Volume, moments and damping change by the area vector at the centroid. Stiffness, area vector and
-/// number of pairs stay. Cost: O(1).
+/// change by their unprojected stiffness. The normals of B's leaves, and of a flat B, turn with B; of other surfaces, half of each wrench
+/// moves with B. The depths change by the work of the mean force. Volume, moments and damping change by the area vector at the centroid.
+/// Stiffness, area vector and number of pairs stay. Cost: O(1).
 void moveB(OverlapIntegrals& sums, const Twist& motion);
 }  // namespace ist

@@ -42,6 +42,7 @@ void OverlapIntegrals::add(const OverlapIntegrals& o)
 	depthA += o.depthA;
 	depthB += o.depthB;
 	surfaceVolume += o.surfaceVolume;
+	foundationVolume += o.foundationVolume;
 	forceVariance += o.forceVariance;
 	volumeVariance += o.volumeVariance;
 	pairs += o.pairs;
@@ -59,6 +60,7 @@ void OverlapIntegrals::scale(double factor)
 	depthA *= factor;
 	depthB *= factor;
 	surfaceVolume *= factor;
+	foundationVolume *= factor;
 	forceVariance *= factor * factor;
 	volumeVariance *= factor * factor;
 }

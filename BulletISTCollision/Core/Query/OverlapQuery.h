@@ -56,6 +56,9 @@ struct OverlapIntegrals
 	DampingWeights dampingWeights;
 	double depthA = 0, depthB = 0;  ///< sum dd L (q_i - m_i(c_i).(C - c_i)), and the sum with j for i: Int depth dV [m^4]
 	double surfaceVolume = 0;       ///< part of `volume` that comes from surfaces [m^3]; leaves gave the rest
+	/// Part of `surfaceVolume` where B is flat and presses along one normal, as an elastic foundation: `stiffnessB` leaves out that the
+	/// normal turns with B, as that of leaves does [m^3].
+	double foundationVolume = 0;
 	/// Squared errors of the surfaces' part, for the error bar [m^6]: of the force for 1 Pa/m, the sum over faces of (area times error of
 	/// the surface)^2, where all faces in one cell of the field share its error; and of the volume, which adds those of the cuts where the
 	/// surfaces cross.
@@ -78,7 +81,9 @@ inline int64_t costInPairs(const OverlapIntegrals& integrals)
 /// What represents a body in a query.
 enum class Model
 {
-	Law,   ///< surfaces, where both bodies have one and the query is for the finest level; otherwise leaves (default)
+	/// Surfaces, where both bodies have one and the query is for the finest level; otherwise leaves (default). Half-spaces and boxes have
+	/// one.
+	Law,
 	Leaf,  ///< leaves
 	Cell,  ///< unsplit cells: the most accurate volume
 	Inner  ///< packed spheres: a lower bound of the volume; their normals and depths count as zero
@@ -226,15 +231,17 @@ OverlapResult queryOverlap(const InnerSphereTree& A, const InnerSphereTree& B, c
 
 /// Overlap of A with a body in closed form. X_AF: pose of the field's frame in A's mesh frame.
 /// B's pressure field is that of the exact body: `normalB` = Int n_B dV uses the normals of the nearest surface points, and `depthB`
-/// its depth. `stiffnessB` includes the curvature of the surface. All integrals of A are defined as with a tree.
-/// A pair is a leaf that reaches into the field. Patches are told apart by the field's normals.
-/// Leaves larger than the field's subdivision size are divided (FieldClipper.h). Cost: O(leaves in reach); only the first query of its
-/// kind allocates.
+/// its depth. All integrals of A are defined as with a tree.
+/// A half-space or a box meets a tree with a surface by surfaces (PlanarBody.h), as two trees do: a pair is a face, and contact begins
+/// where the bodies touch. Boxes thinner than 1e-4 of A are left to the leaves. Cost: O(faces). No allocation.
+/// Otherwise A's leaves answer. A pair is a leaf that reaches into the field, patches are told apart by the field's normals, and
+/// `stiffnessB` includes the curvature of the surface. Leaves larger than the field's subdivision size are divided (FieldClipper.h). Cost:
+/// O(leaves in reach); only the first query of its kind allocates.
 OverlapResult queryField(
 	const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, QueryWorkspace& workspace, const QueryOptions& options = {});
 
 /// Overlap of A with the half-space { x : normal . x <= offset } of A's mesh frame. `normal` has unit length and points out of the
-/// solid. The caps of the ellipsoids are exact; there is one patch, with `normalB` = volume * normal.
+/// solid. `normalB` = volume * normal. With leaves, the caps of the ellipsoids are exact, and there is one patch.
 OverlapResult queryHalfSpace(
 	const InnerSphereTree& A, const Vec3& normal, double offset, QueryWorkspace& workspace, const QueryOptions& options = {});
 

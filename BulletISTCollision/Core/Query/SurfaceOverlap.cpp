@@ -22,6 +22,8 @@ constexpr double kLeastOfColumns = 0.3;
 constexpr double kMostOfColumns = 4;
 /// Share of a pressure below which it has no direction, and the rank of such a face (PairStream::Rank).
 constexpr double kNoDirection = 0.1, kLeastRank = 0.001;
+/// Cosine above which a normal is that of a flat body's side.
+constexpr double kAlongNormal = 0.999;
 
 void toFrame(const Pose& X, ContactFace& face)
 {
@@ -82,19 +84,21 @@ double weightedColumns(const ContactFace& face, double sign, const DampingWeight
 }
 
 /// Adds what a face says of forces, stiffness and damping; everything but the volume. `sign`: 1 for a face of B, -1 for one of A.
-void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, const DampingWeights& weights)
+/// `onFoundation`: the other body presses along one normal, and the face counts with its projection on it.
+void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, bool onFoundation, const DampingWeights& weights)
 {
-	const Vec3 &n = face.areaNormal, &g = face.gradient, &x = face.center, &p = face.pressureCenter;
+	const Vec3 &g = face.gradient, &x = face.center, &p = face.pressureCenter;
+	const Vec3 n = onFoundation ? dot(face.areaNormal, g) * g : face.areaNormal;
 	Wrench& normal = sign > 0 ? sums.normalA : sums.normalB;
 	normal.force -= face.pressure;
 	normal.torque -= cross(p, face.pressure);
-	sums.areaVector += (0.5 * sign) * n;
+	sums.areaVector += (0.5 * sign) * face.areaNormal;
 	const Vec3 tn = cross(x, n), tg = cross(x, g);
 	const double G[6] = {n.x, n.y, n.z, tn.x, tn.y, tn.z}, H[6] = {g.x, g.y, g.z, tg.x, tg.y, tg.z};
 	SymmetricMatrix6& stiffness = sign > 0 ? sums.stiffnessA : sums.stiffnessB;
 	addSymmetric(stiffness, G, H, 1);
 	// Along a curved face the normal turns, and takes back what the way from the center adds: a screw slides along its thread.
-	const bool flat = isZero(face.spread);
+	const bool flat = onFoundation || isZero(face.spread);
 	if (flat) addSpin(stiffness, face.second, n, g, 1 / face.area);
 	// The body whose depth presses moves along its own normals, which the depth's gradient has all along the columns below the face.
 	const double weight = weightedColumns(face, sign, weights);
@@ -142,7 +146,7 @@ struct PressedPlaces
 struct OverlapPart
 {
 	FaceVolume form;
-	double volume = 0, columns = 0, depth = 0;
+	double volume = 0, columns = 0, columnsOfA = 0, depth = 0;  ///< columnsOfA: those on faces of A
 	DepthIntegral depths;
 	bool hasCones = false;
 };
@@ -228,17 +232,40 @@ FaceCounts sumOf(const FaceCounts& a, const FaceCounts& b)
 		a.halvings + b.halvings};
 }
 
+/// Whether a body in closed form presses along one normal: the depth is exact and linear in all of the overlap. Then columns are exact. All
+/// faces of A lie below one side, and faces of B on it.
+bool isFoundation(const BodySurface& B, const FaceList& ofA, const FaceList& ofB)
+{
+	if (ofA.count == 0) return false;
+	const Vec3 g = ofA.faces[0].gradient;
+	const auto isLinear = [&](const ContactFace& face) {
+		const DepthCell& cell = B.field.cells[face.cell];
+		return face.gradient == g && cell.error == 0 &&
+			std::all_of(std::begin(cell.hessian), std::end(cell.hessian), [](float h) { return h == 0; });
+	};
+	for (size_t i = 0; i < ofA.count; ++i)
+		if (!isLinear(ofA.faces[i])) return false;
+	for (size_t i = 0; i < ofB.count; ++i)
+		if (dot(toVec3(B.surface.elements[ofB.faces[i].element].normal), g) > -kAlongNormal) return false;
+	return true;
+}
+
 /// Groups the faces of both bodies into parts that hang together, and these into patches.
 class FaceGrouping
 {
 public:
-	FaceGrouping(SurfaceWorkspace::Implementation& work, int most) : m_work(work), m_most(std::min(most, int(work.patches.size()))) {}
+	FaceGrouping(SurfaceWorkspace::Implementation& work, int most, bool onFoundation)
+		: m_work(work),
+		  m_most(std::min(most, int(work.patches.size()))),
+		  m_onFoundation(onFoundation)
+	{}
 
 	/// Returns the number of patches. Sets the first patch of the part of each patch.
 	int group()
 	{
 		FaceParts& parts = m_work.faceParts;
 		parts.clear();
+		if (m_onFoundation) m_along = m_work.ofA.faces[0].gradient;
 		for (size_t i = 0; i < m_work.ofB.count; ++i) add(m_work.ofB.faces[i], 1);
 		for (size_t i = 0; i < m_work.ofA.count; ++i) add(m_work.ofA.faces[i], -1);
 		const uint32_t count = parts.find();
@@ -259,7 +286,7 @@ private:
 		const bool directed = size > kNoDirection * face.depth;
 		for (int i = 0; i < 3; ++i)
 		{
-			columnOf(s, PairStream::Force + i)[m_count] = float(sign * face.pressure[i]);
+			columnOf(s, PairStream::Force + i)[m_count] = float(m_onFoundation ? -size * m_along[i] : sign * face.pressure[i]);
 			columnOf(s, PairStream::Centroid + i)[m_count] = float(face.center[i]);
 		}
 		columnOf(s, PairStream::Size)[m_count] = directed ? float(size) : 0;
@@ -291,7 +318,9 @@ private:
 	}
 
 	SurfaceWorkspace::Implementation& m_work;
-	int m_most;  // patches
+	int m_most;           // patches
+	bool m_onFoundation;  // faces of A that look back belong to the same patch
+	Vec3 m_along;         // gradient of the depth on a foundation
 	int m_count = 0;
 };
 }  // namespace
@@ -310,8 +339,11 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	result.isOverLimit = work.ofA.isOverLimit() || work.ofB.isOverLimit();
 	if (result.isOverLimit) return result;
 	for (size_t i = 0; i < work.ofB.count; ++i) work.ofB.faces[i].error = errorOf(B.surface, A.field, work.ofB.faces[i]);
+	const bool onFoundation = isFoundation(B, work.ofA, work.ofB);
 	for (size_t i = 0; i < work.ofA.count; ++i)
 	{
+		// What is across the normal adds up to nothing, but for the errors of A's elements.
+		if (ContactFace& face = work.ofA.faces[i]; onFoundation) face.pressure = dot(face.pressure, face.gradient) * face.gradient;
 		toFrame(X_AB, work.ofA.faces[i]);
 		work.ofA.faces[i].error = errorOf(A.surface, B.field, work.ofA.faces[i]);
 	}
@@ -320,7 +352,7 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 		for (size_t i = 0; i < work.ofB.count; ++i) function(work.ofB.faces[i], i, 1.0);
 		for (size_t i = 0; i < work.ofA.count; ++i) function(work.ofA.faces[i], work.ofB.count + i, -1.0);
 	};
-	const int patches = FaceGrouping(work, mostPatches).group();
+	const int patches = FaceGrouping(work, mostPatches, onFoundation).group();
 	const float* patchOf = work.grouper.patch();
 	for (size_t p = 0; p < size_t(patches); ++p)
 	{
@@ -340,12 +372,13 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	}
 	forAll([&](const ContactFace& face, size_t index, double sign) {
 		const size_t p = size_t(patchOf[index]);
-		addFace(work.patches[p], face, sign, damping);
+		addFace(work.patches[p], face, sign, onFoundation && sign < 0, damping);
 		work.patches[p].forceVariance += forceVariance(sign > 0 ? A.field : B.field, face, partOf(index).form.area());
 		work.places[p].add(face, sign, damping);
 		OverlapPart& part = partOf(index);
 		part.volume += part.form.of(face);
 		part.columns += 0.5 * columnVolume(face);
+		if (sign < 0) part.columnsOfA += columnVolume(face);
 		part.depth += face.depth;
 		part.depths.addColumn(face, sign > 0);
 	});
@@ -355,7 +388,7 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	};
 	work.cones.clear(X_BA);
 	forParts([&](OverlapPart& part, uint32_t number) {
-		part.volume = std::max(part.volume, kLeastOfColumns * part.columns);
+		part.volume = onFoundation ? std::max(part.columnsOfA, 0.0) : std::max(part.volume, kLeastOfColumns * part.columns);
 		part.hasCones = part.depths.needsCones(part.volume);
 		if (part.hasCones) part.depths.beginCones(part.form.origin(), part.form.area(), number, work.cones);
 	});
@@ -378,6 +411,7 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 		OverlapIntegrals& patch = work.patches[p];
 		const double share = part.depth > 0 ? work.places[p].depth / part.depth : 1;
 		patch.volume = patch.surfaceVolume = share * part.volume;
+		patch.foundationVolume = onFoundation ? patch.volume : 0;
 		patch.volumeVariance = share * part.form.variance();
 		patch.depthA = share * part.depths.ofA();
 		patch.depthB = share * part.depths.ofB();

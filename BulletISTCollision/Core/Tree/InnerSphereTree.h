@@ -32,8 +32,8 @@ struct InnerSphereTree
 	double sagitta = 0;     ///< facetSagitta() of the repaired mesh [m]
 
 	FrozenArray<Sphere> spheres;      ///< the packing, largest first
-	BodySurface surface;              ///< what contact between two trees is computed from; may be empty
-	BallTree law;                     ///< leaves: contact with closed forms, at coarser levels, and where a body has no surface
+	BodySurface surface;              ///< what contact with trees, half-spaces and boxes is computed from; may be empty
+	BallTree law;                     ///< leaves: contact with curved closed forms, at coarser levels, and where a body has no surface
 	std::vector<BallTree> levels;     ///< coarser versions of `law`, the finest first (TreeLevels.h); may be empty
 	std::vector<double> calibration;  ///< calibration of the leaves and of each level (LevelCalibration.h); empty if never measured
 	BallTree cells;                   ///< unsplit cells: volume mode
