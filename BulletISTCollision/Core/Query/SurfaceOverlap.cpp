@@ -124,9 +124,25 @@ struct PressedPlaces
 		depth += face.depth;
 		first += face.depth * face.pressureCenter;
 		addSquare(second, face.pressureCenter, face.depth);
-		const double mean = face.depth / face.area,
-					 own[6] = {face.second.xx, face.second.yy, face.second.zz, face.second.xy, face.second.xz, face.second.yz};
-		for (int i = 0; i < 6; ++i) second[i] += mean * own[i];
+		addOwn(face, face.depth / face.area);
+	}
+	void addOwn(const ContactFace& face, double weight)
+	{
+		const SymmetricMatrix3& s = face.second;
+		const double own[6] = {s.xx, s.yy, s.zz, s.xy, s.xz, s.yz};
+		for (int i = 0; i < 6; ++i) second[i] += weight * own[i];
+	}
+	/// A face of A on a foundation counts with the middle of its column, so that the sums are those of the volume.
+	void addColumn(const ContactFace& face, const DampingWeights& weights)
+	{
+		damped += weightedColumns(face, -1, weights);
+		const double column = columnVolume(face), mean = face.depth / face.area;
+		const double length = std::clamp(mean + dot(face.gradient, face.pressureCenter - face.center), mean, 2 * mean);
+		const Vec3 middle = face.pressureCenter - 0.5 * length * face.gradient;
+		depth += column;
+		first += column * middle;
+		addSquare(second, middle, column);
+		addOwn(face, column / face.area);
 	}
 	void addTo(OverlapIntegrals& sums) const
 	{
@@ -374,12 +390,13 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 		const size_t p = size_t(patchOf[index]);
 		addFace(work.patches[p], face, sign, onFoundation && sign < 0, damping);
 		work.patches[p].forceVariance += forceVariance(sign > 0 ? A.field : B.field, face, partOf(index).form.area());
-		work.places[p].add(face, sign, damping);
+		if (!onFoundation) work.places[p].add(face, sign, damping);
+		else if (sign < 0) work.places[p].addColumn(face, damping);
 		OverlapPart& part = partOf(index);
 		part.volume += part.form.of(face);
 		part.columns += 0.5 * columnVolume(face);
 		if (sign < 0) part.columnsOfA += columnVolume(face);
-		part.depth += face.depth;
+		part.depth += !onFoundation ? face.depth : sign < 0 ? columnVolume(face) : 0;
 		part.depths.addColumn(face, sign > 0);
 	});
 	const auto forParts = [&](const auto& function) {

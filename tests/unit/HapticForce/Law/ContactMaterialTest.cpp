@@ -214,7 +214,8 @@ TEST_F(Pair, RefusesWhatNoStepWouldHold)
 	EXPECT_FALSE(table.set(&ground, btContactMaterial::fluid(kDensest)));
 }
 
-// Accepted values do not throw bodies about: the boxes fall by a twentieth of their size and stay.
+// Accepted values do not throw bodies about: the boxes fall by a twentieth of their size and stay. Leaves press here, which are soft over
+// their gaps: at 1e15 Pa/m surfaces carry a box at a depth of 1e-13 m, and floats do not resolve that.
 TEST(btContactMaterialTable, BoxesRestOnAPlaneAtTheBounds)
 {
 	using Table = btContactMaterialTable;
@@ -224,6 +225,7 @@ TEST(btContactMaterialTable, BoxesRestOnAPlaneAtTheBounds)
 	{
 		ist::BuildOptions options;
 		options.maxSpheres = 300;
+		options.surface = false;
 		const auto tree = std::make_shared<const ist::InnerSphereTree>(
 			ist::buildTree(ist::makeBoxMesh({half, half, half}), options).value());
 		for (const double h : {1 / 60., 1 / 240., 1 / 1000.})
