@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Query/LeafClearance.h"
 
-#include "BulletISTCollision/Core/Surface/PlanarBody.h"
+#include "BulletISTCollision/Core/Query/PlanarBody.h"
 #include "BulletISTCollision/Core/Tree/TreePose.h"
 
 #include <algorithm>

@@ -6,8 +6,8 @@
 #include "BulletISTCollision/Core/Query/ContactPatches.h"
 #include "BulletISTCollision/Core/Query/Kernels/QueryKernel.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "BulletISTCollision/Core/Query/PlanarBody.h"
 #include "BulletISTCollision/Core/Query/SurfaceOverlap.h"
-#include "BulletISTCollision/Core/Surface/PlanarBody.h"
 
 #include <vector>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Surface/PlanarBody.h"
+#include "BulletISTCollision/Core/Query/PlanarBody.h"
 
 #include "BulletISTCollision/Core/Surface/SurfaceLimits.h"
 
