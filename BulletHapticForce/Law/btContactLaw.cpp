@@ -11,21 +11,40 @@ namespace
 {
 using Matrix3 = Eigen::Matrix3d;
 constexpr double kFrictionRadiusPerRms = 0.93;
-// A resting body presses with its own weight, so only the load beyond twice that weight is taken as coming from above. With a larger
-// share k would follow each bounce.
-constexpr double kThrough = 0.5;
-constexpr double kPressedBlend = 0.1;  // weight of each step in the running mean of the normal force
+constexpr double kPressedTime = 0.02;  // of the running mean of the normal force [s]
+// Most growth of k in a step by what presses, in e-folds: kGrowth (h / kTick)^2, at most one. A hand does not feel 1 % in its tick, and
+// the long steps of a game need it at once.
+constexpr double kGrowth = 0.01, kTick = 1e-3;
+constexpr double kDecay = 20;           // of a k that an impact has raised, e-folds a second
+constexpr double kSpare = 4;            // k may stay so many times stiffer than needed; a k that falls lets a body creep
+constexpr double kDepthOfStep = 2e-3;   // share of the thinner body that the way of a step may take
+constexpr double kDepthOfImpact = 0.1;  // share of it that stopping a body may take in all
+constexpr double kAreaOfImpact = 0.1;   // area on which it stops, at least, as a share of the smaller surface: it grows as it sinks in
 
-/// Largest k that a step of `h` [s] can bear [Pa/m]. There is no such bound on Bullet's own shapes (docs/stability.md).
-double stiffestOfStep(const btISTContact& contact, double mass, double h)
+/// Area that the pressure acts on [m^2]. Where a body surrounds the other, its area vectors would cancel.
+double pressedArea(const btISTContact& contact)
 {
-	if (!contact.treeB) return std::numeric_limits<double>::infinity();
+	const ist::SymmetricMatrix6 K = ist::pressureStiffness(contact.total, {1, contact.constants.weightA, contact.constants.weightB});
+	return std::max(K(0, 0) + K(1, 1) + K(2, 2), norm(contact.total.areaVector));
+}
+
+double smallerSurface(const btISTContact& contact)
+{
+	return contact.treeB ? std::min(contact.treeA->area, contact.treeB->area) : contact.treeA->area;
+}
+
+/// Mass that rests on the contact [kg]: `mass` of the lighter body, or half of that whose weight has lately pressed.
+double restingMass(const btISTContact& contact, double mass)
+{
 	const double gravity = contact.constants.gravity;
-	const double resting = gravity > 0 ? std::max(mass, kThrough * contact.pressed / gravity) : mass;
-	// Half of the smaller surface is the largest area of a flat contact. With the area of the present step, k would change with every
-	// leaf that comes into touch, and bodies would not come to rest.
-	const double area = 0.5 * std::min(contact.treeA->area, contact.treeB->area);
-	return kStiffestPerStep * resting / (h * h * area);
+	return gravity > 0 ? std::max(mass, 0.5 * norm(contact.pressed) / gravity) : mass;
+}
+
+/// Energy that the contact stores, at least [J].
+double storedEnergy(const btISTContact& contact)
+{
+	const btISTPairConstants& c = contact.constants;
+	return 0.5 * norm(ist::pressureWrench(contact.total, {c.k, c.weightA, c.weightB}).force) * ist::meanDepth(contact.total);
 }
 
 Eigen::Vector3d toEigen(const ist::Vec3& v) { return {v.x, v.y, v.z}; }
@@ -75,6 +94,8 @@ ist::SymmetricMatrix6 movedToWorld(const ist::SymmetricMatrix6& K, const Matrix3
 	return moved;
 }
 
+double traceOfForces(const ist::SymmetricMatrix6& K) { return K(0, 0) + K(1, 1) + K(2, 2); }
+
 /// Covariance of the overlap, Int r r^T dV / V about its centroid, in A's mesh axes [m^2].
 Matrix3 covariance(const ist::OverlapIntegrals& sums, const Eigen::Vector3d& c)
 {
@@ -82,6 +103,29 @@ Matrix3 covariance(const ist::OverlapIntegrals& sums, const Eigen::Vector3d& c)
 	Matrix3 second;
 	second << s[0], s[3], s[4], s[3], s[1], s[5], s[4], s[5], s[2];
 	return second / sums.volume - c * c.transpose();
+}
+
+/// Stiffness that stops an approach: in this step, and altogether [Pa/m].
+double stiffnessOfStop(const btISTContact& contact, const btContactLoad& load, double area, double h)
+{
+	const double thickness = contact.thickness(), inStep = std::max(kSpare * contact.constants.depth, kDepthOfStep * thickness),
+				 inAll = kDepthOfImpact * thickness, v = load.approach;
+	const double stops = load.mass * v * v / (std::max(area, kAreaOfImpact * smallerSurface(contact)) * inAll * inAll);
+	return v * h > inStep ? std::max(stops, load.mass * v / (h * area * inStep)) : stops;
+}
+
+/// A stiffer contact stores more energy at the same depth. Damping must have taken it before, or the growth waits. What damping has taken
+/// may also push out a body that has sunk in within a step, before any force acted.
+void fillEnergyTank(btISTContact& contact, double former)
+{
+	btISTContactEnergyTank& tank = contact.tank;
+	if (!tank.open) return;
+	double& k = contact.constants.k;
+	const double stored = storedEnergy(contact), before = former > 0 ? stored * former / k : stored;
+	if (stored - before > tank.damped) k = former * (before + tank.damped) / before;
+	const double paid = std::min(std::max(stored - tank.stored, 0.0), tank.damped);
+	tank.damped -= paid;
+	tank.stored += paid;
 }
 }  // namespace
 
@@ -106,7 +150,10 @@ bool evaluateContactPatch(const btISTContact& contact, int patchIndex, btContact
 	patch.frictionRadius = kFrictionRadiusPerRms * std::sqrt(radiusSquared);
 
 	const double length = std::max(std::sqrt(radiusSquared), 1e-3 * std::cbrt(sums.volume));
-	patch.stiffness = ist::projectedPositive(movedToWorld(ist::pressureStiffness(sums, pair), R, c), length);
+	const ist::SymmetricMatrix6 exact = movedToWorld(ist::pressureStiffness(sums, pair), R, c);
+	patch.stiffness = ist::projectedPositive(exact, length);
+	const double kept = traceOfForces(patch.stiffness), share = kept > 0 ? std::clamp(traceOfForces(exact) / kept, 0.0, 1.0) : 1;
+	for (double& s : patch.stiffness.m) s *= share;
 
 	patch.damping = ist::SymmetricMatrix6();
 	if (!(contact.constants.dissipation > 0)) return true;
@@ -116,32 +163,44 @@ bool evaluateContactPatch(const btISTContact& contact, int patchIndex, btContact
 	return true;
 }
 
-double carryLoad(btISTContact& contact, double load, double mass, double h)
+double carryLoad(btISTContact& contact, const btContactLoad& load, double h)
 {
 	btISTPairConstants& constants = contact.constants;
 	if (!(constants.load > 0)) return 1;
-	double factor = 1;
-	if (load > constants.load)
+	const double asked = constants.k, area = pressedArea(contact);
+	if (load.weight > constants.load)
 	{
-		factor = load / constants.load;
-		constants.load = load;
+		constants.k *= load.weight / constants.load;
+		constants.load = load.weight;
 		constants.rule = btISTStiffnessRule::PileLoad;
 	}
-	const double stiffest = stiffestOfStep(contact, mass, h);
-	if (factor * constants.k > stiffest)
+	const auto raiseTo = [&](double k) {
+		if (!(k > constants.k) || !std::isfinite(k)) return;
+		constants.k = k;
+		constants.rule = btISTStiffnessRule::Pressed;
+	};
+	const double pressed = norm(contact.pressed) / (area * constants.depth), former = contact.grown;
+	double needed = std::max(constants.k, pressed);
+	if (former > 0) needed = std::min(needed, former * std::exp(std::min(kGrowth * (h / kTick) * (h / kTick), 1.0)));
+	raiseTo(std::max(needed, std::min(former, std::max(kSpare * needed, former * std::exp(-kDecay * h)))));
+	raiseTo(stiffnessOfStop(contact, load, area, h));
+	fillEnergyTank(contact, former);
+	const double stiffest = kStiffestPerStep * restingMass(contact, load.mass) / (h * h * area);
+	if (constants.k > stiffest)
 	{
-		factor = stiffest / constants.k;
+		constants.k = stiffest;
 		constants.rule = btISTStiffnessRule::StepBound;
 	}
-	constants.k *= factor;
+	contact.grown = constants.k;
+	const double factor = constants.k / asked;
 	contact.error.force *= factor;
 	return factor;
 }
 
-void notePressed(btISTContact& contact, double h)
+void notePressed(btISTContact& contact, const ist::Vec3& normalImpulse, double h)
 {
-	const double change = kPressedBlend * (contact.normalImpulse / h - contact.pressed);
-	if (std::isfinite(change)) contact.pressed += change;
+	const ist::Vec3 change = -std::expm1(-h / kPressedTime) * (normalImpulse / h - contact.pressed);
+	if (isFinite(change)) contact.pressed += change;
 }
 
 void multiply(btContactPatch& patch, double factor)

@@ -35,12 +35,25 @@ void multiply(btContactPatch& patch, double factor);
 /// is one tenth of the bound in docs/stability.md.
 constexpr double kStiffestPerStep = 2e3;
 
-/// Raises the stiffness k of a pair until it carries `load` [N], and limits it to what a step of `h` [s] can bear between two trees.
-/// Returns the factor by which k has changed. The factor is 1 for pairs whose stiffness does not follow from a load. The new k, load and
-/// rule are written to the contact's constants.
-///
-/// The area is taken as half of the smaller surface, the largest area that a flat contact can have. `mass` [kg] is that of the lighter
-/// body that can move. If more has lately pressed on the contact (btISTContact::pressed), half of that load's mass is used instead.
-double carryLoad(btISTContact& contact, double load, double mass, double h);
-/// Updates the running mean of the normal force on the contact (btISTContact::pressed) [N]. Call it after each step.
-void notePressed(btISTContact& contact, double h);
+/// What a contact has to carry.
+struct btContactLoad
+{
+	double weight = 0;    ///< of all bodies that are connected with the two through contacts [N]
+	double mass = 0;      ///< of the lighter body that can move [kg]
+	double approach = 0;  ///< speed at which the bodies approach along the normals of the patches, if nothing holds them; mean over their
+						  ///< areas [m/s]
+};
+
+/// Decides the stiffness k of a pair whose stiffness follows from a load, once per step, before its patches are solved:
+/// - k is at least what carries `load.weight`, and what has lately pressed (btISTContact::pressed), at the depth of the pair's rule. XX
+/// - k stops an approach v within a tenth of the thinner body's thickness, k >= m v^2 / (A d^2), and, where the way of a step is
+///   longer than 2 % of that thickness, in this step: k >= m v / (h A d).
+/// - Energy that the growth of a loaded contact stores comes from what its damping has taken, or the growth waits.
+/// - k is at most what a step of `h` [s] can bear: h^2 k A / m <= kStiffestPerStep. A is the present area. m is the lighter mass, or half
+///   of the mass whose weight has lately pressed.
+/// Returns the factor by which k has changed: 1 for pairs whose stiffness was given. The new k, load and rule are written to the
+/// contact's constants.
+double carryLoad(btISTContact& contact, const btContactLoad& load, double h);
+/// Updates the running mean of the normal force on A (btISTContact::pressed). `normalImpulse`: sum of the normal impulses on A of all
+/// patches, World axes [N s]. What a body presses against itself, as in a tight fit, is no load. Call it after each step.
+void notePressed(btISTContact& contact, const ist::Vec3& normalImpulse, double h);

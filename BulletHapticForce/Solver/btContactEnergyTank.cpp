@@ -62,13 +62,16 @@ bool btContactEnergyTank::begin(btISTContact& contact, double speed, double h)
 	const double most = capacity(contact);
 	if (tank.open)
 	{
+		// What a long step took beyond what the overlap can hold is damped, too.
+		tank.damped = std::min(tank.damped + std::max(tank.stored - most, 0.0), most);
 		tank.stored = std::min(tank.stored, most);
 		return turned;
 	}
 	const double depth = ist::meanDepth(contact.total);
 	const double flown = 2 * speed * h;  // depth that a body may have reached in one step
 	tank.open = true;
-	tank.stored = depth > flown ? 0.5 * most * (1 - flown / depth) : 0;
+	// What does not touch yet has nothing to give.
+	tank.stored = depth > flown && !(contact.ahead > 0) ? 0.5 * most * (1 - flown / depth) : 0;
 	return turned;
 }
 
@@ -106,7 +109,9 @@ double btContactEnergyTank::enter(btISTContactEnergyTank& tank, const btEnergyTa
 		total += work(p.impulse, mean(p));
 		elastic += work(p.elastic + h * (p.patch.damping * p.after), mean(p));
 	}
+	const double before = tank.stored;
 	tank.stored = std::max(tank.stored - std::max(elastic, total), 0.0);
+	tank.damped += std::max(before - tank.stored - total, 0.0);
 	return total;
 }
 

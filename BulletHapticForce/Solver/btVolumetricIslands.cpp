@@ -128,29 +128,49 @@ void btVolumetricIslands::weigh(const btSolverBody* bodies)
 	}
 }
 
-/// Raises the stiffness of contacts in piles. The default rule sees only the two bodies of a pair, but the others of a pile have weight
-/// too.
-void btVolumetricIslands::carryPiles(const btSolverBody* bodies)
+/// Twist of A minus that of B at the patch's point, if the contact does not hold them.
+ist::Twist btVolumetricIslands::freeTwist(const Entry& e, const btSolverBody* bodies)
+{
+	return difference(twistAt(bodies[e.bodyA], e.patch.point), twistAt(bodies[e.bodyB], e.patch.point));
+}
+
+/// Decides the stiffness of contacts that follows from what they carry. The pair's rule sees only the two bodies of a pair, but the
+/// others of a pile have weight too.
+void btVolumetricIslands::carryLoads(const btSolverBody* bodies)
 {
 	weigh(bodies);
 	for (const Island& island : m_islands)
-	{
-		const btISTContact* former = nullptr;
-		double factor = 1;
-		for (int i = island.first; i >= 0; i = m_entries[size_t(i)].next)
+		for (int i = island.first; i >= 0;)
 		{
-			Entry& e = m_entries[size_t(i)];
-			if (e.contact != former)
+			const Entry& first = m_entries[size_t(i)];
+			btISTContact& contact = *first.contact;
+			btContactLoad load;
+			load.weight = island.weight + island.weightlessMass * contact.constants.gravity;
+			load.mass = std::numeric_limits<double>::infinity();
+			for (const int body : {first.bodyA, first.bodyB})
+				if (const double mass = massOf(bodies[body]); mass > 0) load.mass = std::min(load.mass, mass);
+			double area = 0;
+			int end = i;
+			for (; end >= 0 && m_entries[size_t(end)].contact == &contact; end = m_entries[size_t(end)].next)
 			{
-				double lighter = std::numeric_limits<double>::infinity();
-				for (const int body : {e.bodyA, e.bodyB})
-					if (const double mass = massOf(bodies[body]); mass > 0) lighter = std::min(lighter, mass);
-				factor = carryLoad(*e.contact, island.weight + island.weightlessMass * e.contact->constants.gravity, lighter, m_step);
-				former = e.contact;
+				const Entry& e = m_entries[size_t(end)];
+				const double own = norm(contact.patches[e.patchIndex].areaVector);
+				load.approach += own * std::max(0.0, -dot(freeTwist(e, bodies).linear, e.patch.normal));
+				area += own;
 			}
-			if (factor != 1) multiply(e.patch, factor);
+			if (area > 0) load.approach /= area;
+			const double factor = carryLoad(contact, load, m_step);
+			for (; i != end; i = m_entries[size_t(i)].next)
+				if (factor != 1) multiply(m_entries[size_t(i)].patch, factor);
 		}
-	}
+}
+
+/// Moves the wrenches of bodies that do not touch yet back to their present poses: there the spring of the contact pulls by as much as
+/// it lacks until the touch, and the solver leaves it out as long as it pulls.
+void btVolumetricIslands::waitForTouch(const btSolverBody* bodies)
+{
+	for (Entry& e : m_entries)
+		if (e.contact->ahead > 0) e.patch.wrench = e.patch.wrench + e.contact->ahead * (e.patch.stiffness * freeTwist(e, bodies));
 }
 
 bool btVolumetricIslands::fitsBlock(const Island& island)
@@ -210,7 +230,8 @@ void btVolumetricIslands::prepare(const btSolverBody* bodies, int bodyCount, con
 	m_change.assign(size_t(bodyCount), ist::Twist());
 	displaceByRounding(bodies);
 	findIslands(bodies, touched);
-	carryPiles(bodies);
+	carryLoads(bodies);
+	waitForTouch(bodies);
 	openEnergyTanks(bodies);
 	for (const Island& island : m_islands)
 	{
@@ -424,5 +445,9 @@ void btVolumetricIslands::finish(btSolverBody* bodies)
 		e.contact->tank.friction[e.patchIndex] = (1 / m_step) * (e.impulse - e.elastic);
 		e.contact->normalImpulse += e.normalImpulse;
 	}
-	forEachContact([&](size_t first, int) { notePressed(*m_entries[first].contact, m_step); });
+	forEachContact([&](size_t first, int count) {
+		ist::Vec3 sum;
+		for (size_t i = first; i < first + size_t(count); ++i) sum += m_entries[i].normalImpulse * m_entries[i].patch.normal;
+		notePressed(*m_entries[first].contact, sum, m_step);
+	});
 }

@@ -82,7 +82,9 @@ private:
 	int rootOf(int body);
 	void findIslands(const btSolverBody* bodies, const std::vector<int>& touched);
 	void weigh(const btSolverBody* bodies);
-	void carryPiles(const btSolverBody* bodies);
+	static ist::Twist freeTwist(const Entry& e, const btSolverBody* bodies);
+	void carryLoads(const btSolverBody* bodies);
+	void waitForTouch(const btSolverBody* bodies);
 	void displaceByRounding(const btSolverBody* bodies);
 	void openEnergyTanks(const btSolverBody* bodies);
 	static bool fitsBlock(const Island& island);

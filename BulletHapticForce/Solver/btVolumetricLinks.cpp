@@ -216,7 +216,18 @@ void btVolumetricLinks::add(btISTContact& contact, const Side& a, const Side& b,
 			for (int column = 0; column < 3; ++column) moved += n[row] * responses[i - first](row, column) * n[column];
 		if (moved > 0) lightest = std::min(lightest, 1 / moved);
 	}
-	const double factor = carryLoad(contact, contact.constants.load, lightest, h);
+	btContactLoad load;
+	load.mass = lightest;
+	double area = 0;
+	for (size_t i = first; i < m_entries.size(); ++i)
+	{
+		const Entry& e = m_entries[i];
+		const double own = norm(contact.patches[e.patchIndex].areaVector);
+		load.approach += own * std::max(0.0, -dot(relative(e, bodies, state(e, bodies, data)).linear, e.patch.normal));
+		area += own;
+	}
+	if (area > 0) load.approach /= area;
+	const double factor = carryLoad(contact, load, h);
 	for (size_t i = first; i < m_entries.size(); ++i)
 	{
 		multiply(m_entries[i].patch, factor);
@@ -335,6 +346,9 @@ void btVolumetricLinks::finish(
 		size_t end = first + 1;
 		while (end < m_entries.size() && m_entries[end].contact == m_entries[first].contact) ++end;
 		holdToEnergyTank(first, int(end - first), bodies, data, change, statistics);
+		ist::Vec3 sum;
+		for (size_t i = first; i < end; ++i) sum += m_entries[i].normalImpulse * m_entries[i].patch.normal;
+		notePressed(*m_entries[first].contact, sum, m_step);
 		first = end;
 	}
 	for (const Entry& e : m_entries)
@@ -343,6 +357,4 @@ void btVolumetricLinks::finish(
 		e.contact->normalImpulse += e.normalImpulse;
 		writeFeedback(e);
 	}
-	for (size_t i = 0; i < m_entries.size(); ++i)
-		if (i == 0 || m_entries[i].contact != m_entries[i - 1].contact) notePressed(*m_entries[i].contact, m_step);
 }

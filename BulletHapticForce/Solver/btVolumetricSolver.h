@@ -27,7 +27,11 @@ public:
 	BT_DECLARE_ALIGNED_ALLOCATOR();
 
 	/// `store` comes from btISTRegistration::sharedStore.
-	explicit btVolumetricSolver(std::shared_ptr<btISTContactStore> store) : m_store(std::move(store)) { m_store->sumDamping(true); }
+	explicit btVolumetricSolver(std::shared_ptr<btISTContactStore> store) : m_store(std::move(store))
+	{
+		m_store->sumDamping(true);
+		m_store->predictTouch(true);
+	}
 
 	void prepareSolve(int bodyCount, int manifoldCount) override;
 	void allSolved(const btContactSolverInfo& info, btIDebugDraw* debugDrawer) override;

@@ -180,6 +180,7 @@ const char* btISTPairReport::nameOf(btISTStiffnessRule rule)
 	case btISTStiffnessRule::Given: return "given";
 	case btISTStiffnessRule::OwnLoad: return "own load";
 	case btISTStiffnessRule::PileLoad: return "load of the pile";
+	case btISTStiffnessRule::Pressed: return "what presses";
 	case btISTStiffnessRule::StepBound: return "bound of the step";
 	}
 	return "";

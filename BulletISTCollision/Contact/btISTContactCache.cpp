@@ -6,6 +6,7 @@
 #include "BulletISTCollision/Core/Base/SamePose.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Force/RelativeMotion.h"
+#include "BulletISTCollision/Core/Query/LeafClearance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,22 +16,6 @@ namespace
 {
 constexpr double kShareOfError = 0.25, kShareOfLength = 0.25;
 constexpr double kLeastTrust = 1.0 / 64, kRegain = 1.5;
-
-/// Radius that contains all leaves and the surface, about the tree's origin [m].
-double reachOf(const ist::InnerSphereTree& tree)
-{
-	double reach = 0;
-	if (!tree.surface.empty())
-	{
-		const ist::SurfaceNode& root = tree.surface.surface.nodes[0];
-		reach = norm(ist::toVec3(root.center)) + double(root.radius);
-	}
-	const ist::BallNode& root = tree.law.nodes[0];
-	for (int k = 0; k < ist::BallNode::kWidth; ++k)
-		if (root.child[k] != ist::BallNode::kNoChild)
-			reach = std::max(reach, norm(ist::Vec3{root.x[k], root.y[k], root.z[k]}) + double(root.r[k]));
-	return reach;
-}
 
 double volumeOfB(const btISTContact& c) { return c.treeB ? c.treeB->volume : c.volumeB; }
 
@@ -88,8 +73,8 @@ bool btISTCachedResult::isFar(const btISTContact& contact) const
 	if (!(m_clearance > 0)) return false;
 	const ist::InnerSphereTree &A = *contact.treeA, *B = contact.treeB.get();
 	// Each body's motion is bounded in the frame of the other; the smaller bound counts.
-	double way = ist::farthestMotion(inverse(m_X_asked), inverse(contact.X_AB), A.origin, reachOf(A));
-	if (B) way = std::min(way, ist::farthestMotion(m_X_asked, contact.X_AB, B->origin, reachOf(*B)));
+	double way = ist::farthestMotion(inverse(m_X_asked), inverse(contact.X_AB), A.origin, ist::reachOf(A));
+	if (B) way = std::min(way, ist::farthestMotion(m_X_asked, contact.X_AB, B->origin, ist::reachOf(*B)));
 	return way < m_clearance;
 }
 

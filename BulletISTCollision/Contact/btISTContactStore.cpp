@@ -12,11 +12,19 @@
 
 namespace
 {
-// Limits of the depth that the load may reach. Between 0.5 and 2 % of the size no body fell through large ground in tests; towers need a
-// smaller depth.
-constexpr double kLeastDepthPerSize = 1e-3, kMostDepthPerSize = 5e-3;
-constexpr double kMostDepthPerThickness = 0.05;  // keeps a sheet of 1 mm from being compressed
-constexpr double kWaterDensity = 1000;           // [kg/m^3]
+// Mean depth at which bodies rest, as a share of their size. The deepest point of a ball is twice as deep, that of a cone three times.
+constexpr double kDepthPerSize = 3e-4;
+constexpr double kSizePerThickness = 3;  // of a cube
+// Contact that is shallower than the errors of the surfaces feels them as bumps.
+constexpr double kDepthPerError = 2;
+// Largest mean depth that a weight may reach.
+constexpr double kMostDepthPerSize = 5e-3, kMostDepthPerThickness = 0.05;
+// Depth to which the weight alone presses a pair before it is known what else presses, and where. In a tight fit nothing presses, and a
+// stiff one would jam.
+constexpr double kFirstDepthPerSize = 1e-3;
+// Leaves reach beyond the surface: shallower contact has the force of their gaps.
+constexpr double kLeastDepthOfLeaves = 1e-3;
+constexpr double kWaterDensity = 1000;  // [kg/m^3]
 
 /// Mass of all links that can move, because any one of them may carry the others.
 double massOf(const btMultiBody& multiBody)
@@ -43,6 +51,28 @@ double gravityOf(const btCollisionObject* object, double otherwise)
 	const double own = body ? double(body->getGravity().length()) : 0;
 	return own > 0 ? own : otherwise;
 }
+
+/// Whether the sums are those of leaves: a body has no surface, a coarser level answered, or B is round and in closed form.
+bool pressesByLeaves(const btISTContact& contact) { return !(contact.total.surfaceVolume > 0); }
+
+double typicalError(const ist::InnerSphereTree* tree) { return tree ? double(tree->surface.tables.typicalError) : 0; }
+
+/// Length that depths are shares of [m]. `size` [m] is that of the smaller body.
+double depthScale(const btISTContact& contact, double size) { return std::min(size, kSizePerThickness * contact.thickness()); }
+
+/// Mean depth at which the pair shall rest [m].
+double aimedDepth(const btISTContact& contact, double size)
+{
+	const double depth = kDepthPerSize * depthScale(contact, size),
+				 most = std::min(kMostDepthPerSize * size, kMostDepthPerThickness * contact.thickness());
+	if (!pressesByLeaves(contact))
+	{
+		const double error = std::hypot(typicalError(contact.treeA.get()), typicalError(contact.treeB.get()));
+		return std::min(std::max(depth, kDepthPerError * error), most);
+	}
+	const double gap = contact.treeA->errorLength() + (contact.treeB ? contact.treeB->errorLength() : 0);
+	return std::min(std::max(gap, kLeastDepthOfLeaves * size), most);
+}
 }  // namespace
 
 double btISTContact::thickness() const
@@ -53,21 +83,19 @@ double btISTContact::thickness() const
 btISTPairConstants btISTDefaultPairRule::decide(
 	const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const
 {
-	double volume = contact.treeA->volume, gap = contact.treeA->meanGap;
-	volume = std::min(volume, contact.treeB ? contact.treeB->volume : contact.volumeB);
-	if (contact.treeB) gap += contact.treeB->meanGap;
+	const double volume = std::min(contact.treeA->volume, contact.treeB ? contact.treeB->volume : contact.volumeB);
 	const double size = std::cbrt(volume);
-	const double depth = std::min(
-		std::clamp(gap, kLeastDepthPerSize * size, kMostDepthPerSize * size), kMostDepthPerThickness * contact.thickness());
 	const double gravityA = gravityOf(bodyA, m_gravity), gravityB = gravityOf(bodyB, m_gravity);
 	double load = std::max(dynamicMass(bodyA) * gravityA, dynamicMass(bodyB) * gravityB);
 	if (!(load > 0)) load = kWaterDensity * volume * m_gravity;
 
 	btISTPairConstants constants;
 	constants.load = load;
+	constants.depth = aimedDepth(contact, size);
+	const double first = std::max(constants.depth, kFirstDepthPerSize * depthScale(contact, size));
 	constants.gravity = std::max(gravityA, gravityB);
 	constants.rule = btISTStiffnessRule::OwnLoad;
-	constants.k = load / (depth * size * size);
+	constants.k = load / (first * size * size);
 	if (contact.halfSpace)
 	{
 		constants.weightA = 0;

@@ -26,6 +26,7 @@ enum class btISTStiffnessRule
 	Given,     ///< a material, a fluid, or a rule of the caller; the solver does not change it
 	OwnLoad,   ///< the weight of the heavier of the two bodies
 	PileLoad,  ///< the weight of all bodies that are connected with the two through contacts
+	Pressed,   ///< the force that has lately pressed on the area of the contact, or the speed at which the bodies approach
 	StepBound  ///< the largest stiffness that is stable at this time step (docs/stability.md); the load would need more
 };
 
@@ -34,7 +35,8 @@ struct btISTPairConstants
 {
 	double k = 1;                         ///< stiffness [Pa/m]
 	double weightA = 0.5, weightB = 0.5;  ///< weights of A's and of B's field; their sum is 1
-	double load = 0;     ///< force that k carries at the allowed depth [N]; the solver raises it to the weight of a pile; 0: k was given
+	double load = 0;     ///< force that k carries at the aimed depth [N]; the solver raises it to the weight of a pile; 0: k was given
+	double depth = 0;    ///< if k follows from a load: the mean depth (ist::meanDepth) at which the pair shall rest [m]
 	double gravity = 0;  ///< if k follows from a load: the larger gravity of the two bodies [m/s^2]
 	btISTStiffnessRule rule = btISTStiffnessRule::Given;
 	double dissipation = 5;  ///< Hunt-Crossley: the pressure grows by this times the approach speed [s/m]
@@ -47,6 +49,7 @@ struct btISTContactEnergyTank
 
 	bool open = false;                  ///< false until the first solve of an overlap
 	double stored = 0;                  ///< elastic work absorbed and not yet returned: what the pair may still give back [J]
+	double damped = 0;                  ///< energy that damping took and that a larger stiffness may still store [J]
 	ist::Vec3 direction;                ///< direction of the force on A when it last had one direction, World axes; zero before
 	ist::Wrench friction[kMaxPatches];  ///< friction of the last step on A, World axes, about the patch: the solver's next initial guess
 										///< [N, N m]
@@ -69,10 +72,12 @@ public:
 		const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const = 0;
 };
 
-/// The rule for bodies without materials (rules (a) and (d) of btContactMaterialTable). The stiffness follows from a depth. The heavier
-/// dynamic body, resting with its weight on the square of the smaller body's size, sinks in by the sum of the mean surface gaps. The
-/// depth is at least 0.1 % and at most 0.5 % of that size, where size is the cube root of the volume. A sheet is thinner than its size,
-/// so the depth is also at most a twentieth of the thinner body's thickness (ist::thicknessOf).
+/// The rule for bodies without materials (rules (a) and (d) of btContactMaterialTable). The stiffness follows from a depth. At first it
+/// is soft: the heavier dynamic body, with its weight on the square of the smaller body's size, sinks in by 0.1 % of that size, which is
+/// the cube root of the volume, or of three times the thinner body's thickness (ist::thicknessOf) if that is less. The solver raises k as
+/// soon as the bodies press on each other, until they rest at the mean depth `depth` (carryLoad in btContactLaw.h): 0.03 % of the same
+/// length, but at least twice the typical error of the two surfaces. Where a body presses by its leaves, both depths are at least the sum
+/// of the mean surface gaps and 0.1 % of the size, and at most 0.5 % of it.
 /// Weights are 1/2 each; on a half-space its field has all the weight. A body weighs its mass times its own gravity
 /// (btRigidBody::getGravity), or times `gravity` if it has none. If neither body can move, the load is the smaller body's weight in
 /// water's density. Dissipation is 5 s/m: no body leaves contact faster than 0.2 m/s, and half of the speed comes back at 0.3 m/s.
@@ -105,6 +110,8 @@ struct btISTContact
 	ist::Pose X_WA;                                  ///< pose of A's mesh frame, which is the frame of its shape (in a compound, the
 													 ///< child's)
 	ist::Pose X_AB;                                  ///< pose of B's shape in A's, to which the sums belong
+	double ahead = 0;                                ///< if positive, the bodies do not touch yet: X_AB is the pose that their free motion
+													 ///< reaches after this time [s], and the sums are those of this first touch
 	ist::QueryStatus status = ist::QueryStatus::Ok;  ///< if not Ok, no overlap is claimed and the sums are zero
 	ist::OverlapIntegrals total;
 	ist::OverlapIntegrals patches[kMaxPatches];
@@ -121,7 +128,8 @@ struct btISTContact
 	/// Impulse on A per patch, written by the solver. World axes, moment about the patch's centroid [N s, N m s].
 	ist::Wrench impulses[kMaxPatches];
 	double normalImpulse = 0;  ///< sum of their normal components [N s]
-	double pressed = 0;        ///< mean of the normal force over about the last ten steps [N], written by the solver
+	ist::Vec3 pressed;         ///< mean of the normal force on A over about the last ten steps, World axes [N]; written by the solver
+	double grown = 0;          ///< stiffness in the last step of a pair whose stiffness follows from a load [Pa/m]; written by the solver
 	btISTContactWork work;     ///< written by the solver
 
 	/// Thickness of the thinner of the bodies that have trees (ist::thicknessOf) [m].
@@ -168,6 +176,10 @@ public:
 	/// it on.
 	void sumDamping(bool on) { m_sumsDamping = on; }
 	bool sumsDamping() const { return m_sumsDamping; }
+	/// If on, respond-mode pairs that the present step would bring into contact get the sums of their first touch (btISTContact::ahead).
+	/// A solver that can wait for the touch switches it on.
+	void predictTouch(bool on) { m_predictsTouch = on; }
+	bool predictsTouch() const { return m_predictsTouch; }
 
 	/// Time that the queries of respond-mode pairs took since the last `resetQueryTime` [s]. It is counted only when switched on, because
 	/// it costs two readings of the clock per pair. It is also counted in each pair's `cost`.
@@ -188,7 +200,7 @@ private:
 	std::vector<btISTContact*> m_active, m_free;
 	std::vector<std::unique_ptr<btISTContact>> m_pool;
 	uint64_t m_step = 1;
-	bool m_measures = false, m_sumsDamping = false;
+	bool m_measures = false, m_sumsDamping = false, m_predictsTouch = false;
 	double m_querySeconds = 0;
 	btISTQueryCost m_cost;
 };

@@ -4,7 +4,7 @@
 #include "BulletISTCollision/Contact/btISTRepresentativePoints.h"
 #include "BulletISTCollision/Dispatch/btISTContext.h"
 #include "BulletISTCollision/Dispatch/btISTQueryThreads.h"
-#include "BulletISTCollision/PairQuery/btISTPairQuery.h"
+#include "BulletISTCollision/PairQuery/btISTFirstTouch.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 #include "BulletISTCollision/Registry/btISTShapeField.h"
 
@@ -141,7 +141,7 @@ void btISTCollisionAlgorithm::update(const btISTPairQuery& query, btISTContact& 
 }
 
 void btISTCollisionAlgorithm::evaluate(
-	const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btISTContact& contact) const
+	const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, double step, btISTContact& contact) const
 {
 	contact.bodyA = wrapA->getCollisionObject();
 	contact.bodyB = wrapB->getCollisionObject();
@@ -164,10 +164,17 @@ void btISTCollisionAlgorithm::evaluate(
 	if (contact.patchCount == 0)
 	{
 		contact.tank = btISTContactEnergyTank();
-		contact.pressed = 0;
+		contact.pressed = {};
+		contact.grown = 0;
+		if (kept && m_context->store.predictsTouch() && contact.status == ist::QueryStatus::Ok)
+		{
+			const btISTFreeMotion a = btISTFreeMotion::of(contact.bodyA, step), b = btISTFreeMotion::of(contact.bodyB, step);
+			(void)btISTFirstTouch(query, a, b, step).find(contact, m_context->workspace);
+		}
 	}
 	contact.constants = m_context->rule->decide(contact, contact.bodyA, contact.bodyB);
-	if (query.lacksDamping(contact))  // the sums used the constants of the last step
+	if (query.lacksDamping(contact) && contact.ahead > 0) query.queryAt(contact, m_context->workspace);
+	else if (query.lacksDamping(contact))  // the sums used the constants of the last step
 	{
 		contact.kept.forget();
 		contact.accuracy = before;
@@ -206,7 +213,7 @@ void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* b
 		return destroyStock();
 	}
 	if (m_context->threads) m_context->threads->begin(*m_contact, m_context->store, m_context->rules, m_context->workspace, *m_dispatcher);
-	evaluate(wrapA, wrapB, *m_contact);
+	evaluate(wrapA, wrapB, double(dispatchInfo.m_timeStep), *m_contact);
 	// The list serves the next step: a prefetched query could not use a list that is assigned in the pair's own turn.
 	if (m_context->memories) m_context->memories->assign(*m_contact);
 	btISTRepresentativePoints(*m_contact).write(*m_manifold, m_contact->constants.dissipation, wrapA, wrapB);
@@ -219,7 +226,7 @@ bool btISTCollisionAlgorithm::report(
 	const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btManifoldResult& out) const
 {
 	btISTContact contact;
-	evaluate(wrapA, wrapB, contact);
+	evaluate(wrapA, wrapB, 0, contact);
 	const btISTRepresentativePoints points(contact);
 	points.report(out);
 	return points.count > 0;
@@ -234,7 +241,8 @@ void btISTCollisionAlgorithm::forget()
 	m_contact->volumeB = std::numeric_limits<double>::infinity();
 	m_contact->total = ist::OverlapIntegrals();
 	m_contact->patchCount = 0;
-	m_contact->normalImpulse = m_contact->pressed = 0;
+	m_contact->pressed = {};
+	m_contact->normalImpulse = m_contact->grown = m_contact->ahead = 0;
 	m_contact->depth = m_contact->deepest = 0;  // the next shapes may have another thickness
 	m_contact->work = btISTContactWork();
 	m_contact->tank = btISTContactEnergyTank();

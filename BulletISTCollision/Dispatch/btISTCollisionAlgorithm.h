@@ -64,7 +64,7 @@ private:
 		bool isKindOf(const btCollisionShape* other) const;  // the same, ignoring the scaling
 	};
 
-	void evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btISTContact& contact) const;
+	void evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, double step, btISTContact& contact) const;
 	void update(const btISTPairQuery& query, btISTContact& contact) const;
 	bool report(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btManifoldResult& out) const;
 	void see(const btCollisionShape* shapeA, const btCollisionShape* shapeB);

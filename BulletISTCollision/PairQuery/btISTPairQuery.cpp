@@ -94,11 +94,17 @@ ist::OverlapResult btISTPairQuery::ask(btISTContact& contact, ist::QueryWorkspac
 /// Clearance of the leaves. Zero if there is none, if a query is as cheap, or if a coarser level answered, whose balls reach farther.
 double btISTPairQuery::clearance(const ist::OverlapResult& result, btISTContact& contact) const
 {
-	constexpr int kMostOpened = 12;
 	if (result.level > 0) return 0;
 	if (result.status != ist::QueryStatus::Ok || result.total.pairs > 0 || result.nodeVisits == 0 || !contact.kept.wantsClearance())
 		return 0;
+	return clearanceAt(contact);
+}
+
+double btISTPairQuery::clearanceAt(const btISTContact& contact) const
+{
+	constexpr int kMostOpened = 12;
 	if (contact.treeB) return ist::leafClearance(*contact.treeA, *contact.treeB, contact.X_AB, kMostOpened);
+	if (!m_field.field()) return 0;
 	return ist::leafClearance(*contact.treeA, *m_field.field(), contact.X_AB * m_field.X_SF(), kMostOpened);
 }
 
@@ -123,6 +129,13 @@ btISTQueryWork btISTPairQuery::answer(btISTContact& contact, ist::QueryWorkspace
 {
 	const double begin = timed ? ist::steadyMicroseconds() : 0;
 	btISTQueryWork work;
+	if (contact.ahead > 0)
+	{
+		// The sums are those of a later pose.
+		contact.ahead = 0;
+		contact.patchCount = 0;
+		contact.total = ist::OverlapIntegrals();
+	}
 	const btISTCachedResult::Measures on = measures(contact);
 	const bool fading = contact.accuracy.fadedShare > 0;  // fading from one level into another
 	const int before = contact.accuracy.level;
@@ -153,6 +166,7 @@ void btISTPairQuery::copyAnswer(const btISTContact& from, btISTContact& to)
 	to.total = from.total;
 	to.patchCount = from.patchCount;
 	std::copy(from.patches, from.patches + from.patchCount, to.patches);
+	to.ahead = from.ahead;
 	to.accuracy = from.accuracy;
 	to.halfSpace = from.halfSpace;
 	to.volumeB = from.volumeB;

@@ -57,6 +57,10 @@ public:
 		  m_damping(damping)
 	{}
 	btISTQueryWork answer(btISTContact& contact, ist::QueryWorkspace& workspace, bool timed) const;
+	/// Replaces the sums of the contact by those of a query at its X_AB, whatever was cached. The cached result stays as it is.
+	void queryAt(btISTContact& contact, ist::QueryWorkspace& workspace) const { take(contact, ask(contact, workspace)); }
+	/// Lower bound of the clearance at the contact's X_AB [m]; 0 if none is known.
+	double clearanceAt(const btISTContact& contact) const;
 	/// Copies all that `answer` may have written. The other members belong to the contact's owner, who may have changed them since.
 	static void copyAnswer(const btISTContact& from, btISTContact& to);
 	/// Whether the sums were computed with other weights than the pair has now.

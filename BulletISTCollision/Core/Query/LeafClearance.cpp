@@ -249,4 +249,18 @@ double leafClearance(const InnerSphereTree& A, const AnalyticField& field, const
 	};
 	return leastBound(BallInField{{0, {}, kUnbounded}, -kUnbounded}, std::min(mostOpened, kMostOpenedForClearance), expand);
 }
+
+double reachOf(const InnerSphereTree& tree)
+{
+	double reach = 0;
+	if (!tree.surface.empty())
+	{
+		const SurfaceNode& root = tree.surface.surface.nodes[0];
+		reach = norm(toVec3(root.center)) + double(root.radius);
+	}
+	const BallNode& root = tree.law.nodes[0];
+	for (int k = 0; k < BallNode::kWidth; ++k)
+		if (root.child[k] != BallNode::kNoChild) reach = std::max(reach, norm(Vec3{root.x[k], root.y[k], root.z[k]}) + double(root.r[k]));
+	return reach;
+}
 }  // namespace ist

@@ -17,4 +17,6 @@ double leafClearance(const InnerSphereTree& A, const InnerSphereTree& B, const P
 /// The same bound for A and a body in closed form [m]: of A's surface from a half-space or a box, otherwise of A's leaves. X_AF: pose of
 /// the field's frame in A's mesh frame.
 double leafClearance(const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, int mostOpened);
+/// Radius of a ball about the tree's origin that contains all leaves and the surface [m].
+double reachOf(const InnerSphereTree& tree);
 }  // namespace ist

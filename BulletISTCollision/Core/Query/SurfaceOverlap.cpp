@@ -163,8 +163,13 @@ struct OverlapPart
 {
 	FaceVolume form;
 	double volume = 0, columns = 0, columnsOfA = 0, depth = 0;  ///< columnsOfA: those on faces of A
+	double normalA = 0, normalB = 0;                            ///< sums of the sizes of the patches' normals [m^3]
 	DepthIntegral depths;
 	bool hasCones = false;
+
+	/// Share of `normals` that is no larger than the volume, as no integral of unit normals can be. Where a contact is shallower than the
+	/// errors of a depth field, its volume is more exact.
+	double within(double normals) const { return normals > volume ? volume / normals : 1; }
 };
 }  // namespace
 
@@ -405,7 +410,7 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	};
 	work.cones.clear(X_BA);
 	forParts([&](OverlapPart& part, uint32_t number) {
-		part.volume = onFoundation ? std::max(part.columnsOfA, 0.0) : std::max(part.volume, kLeastOfColumns * part.columns);
+		part.volume = onFoundation ? std::max(part.columnsOfA, 0.0) : std::max({part.volume, kLeastOfColumns * part.columns, 0.0});
 		part.hasCones = part.depths.needsCones(part.volume);
 		if (part.hasCones) part.depths.beginCones(part.form.origin(), part.form.area(), number, work.cones);
 	});
@@ -424,8 +429,16 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	forParts([&](OverlapPart& part, uint32_t) { part.depths.finish(part.volume); });
 	for (size_t p = 0; p < size_t(patches); ++p)
 	{
+		OverlapPart& part = work.parts[work.partOf[p]];
+		part.normalA += norm(work.patches[p].normalA.force);
+		part.normalB += norm(work.patches[p].normalB.force);
+	}
+	for (size_t p = 0; p < size_t(patches); ++p)
+	{
 		const OverlapPart& part = work.parts[work.partOf[p]];
 		OverlapIntegrals& patch = work.patches[p];
+		patch.normalA = part.within(part.normalA) * patch.normalA;
+		patch.normalB = part.within(part.normalB) * patch.normalB;
 		const double share = part.depth > 0 ? work.places[p].depth / part.depth : 1;
 		patch.volume = patch.surfaceVolume = share * part.volume;
 		patch.foundationVolume = onFoundation ? patch.volume : 0;

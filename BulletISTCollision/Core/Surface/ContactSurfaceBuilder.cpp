@@ -28,10 +28,12 @@ constexpr double kWideCrease = 0.3, kWideSpread = 0.15;  // looser where the nor
 // Few triangles of the size of elements, as those of a box, are sorted by their normals first, so that flat faces come out whole.
 constexpr double kFewLeft = 0.9;
 constexpr size_t kFew = 64;
-constexpr double kSliver = 7;          // (longest edge)^2 / area; 4 for half a square, 6.7 for half a rectangle of 3 : 1
-constexpr double kLong = 2.5;          // length of a flat sliver that is cut [size of an element]
-constexpr double kLongVariance = 9;    // ratio of the variances of a rectangle of 3 : 1
-constexpr double kOutline = 0.02;      // tolerance of the outline of a flat face [size of an element, or of the face if that is smaller]
+constexpr double kSliver = 7;        // (longest edge)^2 / area; 4 for half a square, 6.7 for half a rectangle of 3 : 1
+constexpr double kLong = 2.5;        // length of a flat sliver that is cut [size of an element]
+constexpr double kLongVariance = 9;  // ratio of the variances of a rectangle of 3 : 1
+constexpr double kOutline = 0.02;    // tolerance of the outline of a flat face [size of an element, or of the face if that is smaller]
+// Elements around holes: those that stand out by more than this share of an element are split, up to so many times the wanted elements.
+constexpr double kRim = 1e-4, kMostWithRims = 1.5;
 constexpr double kDegenerate = 1e-12;  // area of a triangle that is left out [square of its longest edge]
 
 /// The triangles of a mesh that have an area. `triangles` receives their indices.
@@ -78,11 +80,14 @@ public:
 
 	/// False if the caller cancelled.
 	bool splitAll(const Progress& progress);
+	/// Splits flat clusters whose parallelogram would stand out of their face, as those around a hole do.
+	void splitRims();
 	const std::vector<SplitNode>& nodes() const { return m_nodes; }
 	const std::vector<SurfacePiece>& pieces() const { return m_pieces; }
 
 private:
 	void addNode(std::vector<uint32_t> members);
+	FacePolygon outlineOf(const SurfaceCluster& cluster) const;
 	void findFace(SurfaceCluster& cluster) const;
 	bool isFinished(const SurfaceCluster& cluster) const;
 	ClusterHalves halvesOf(const SurfaceCluster& cluster);
@@ -111,11 +116,16 @@ double priority(const SurfaceCluster& c)
 
 size_t elementsOf(const SurfaceCluster& c) { return c.face.empty() ? 1 : elementsOfPolygon(c.face); }
 
+FacePolygon Builder::outlineOf(const SurfaceCluster& c) const
+{
+	return convexFace(m_pieces, c, kOutline * std::min(std::sqrt(m_elementArea), c.radius));
+}
+
 /// A flat cluster keeps its outline if that does not take many more elements than its area is worth.
 void Builder::findFace(SurfaceCluster& c) const
 {
 	if (!c.isFlat) return;
-	c.face = convexFace(m_pieces, c, kOutline * std::min(std::sqrt(m_elementArea), c.radius));
+	c.face = outlineOf(c);
 	const double worth = 1 + 2 * c.area / m_elementArea;
 	if (c.pieces.size() > 1 && double(elementsOf(c)) > worth) c.face.clear();
 }
@@ -180,6 +190,28 @@ bool Builder::splitAll(const Progress& progress)
 		split(index);
 	}
 	return !progress || progress("surface", 1);
+}
+
+void Builder::splitRims()
+{
+	std::priority_queue<Waiting, std::vector<Waiting>, Before> rims;
+	const auto add = [&](uint32_t index) {
+		SplitNode& node = m_nodes[index];
+		if (node.child || !node.cluster.isFlat || !node.cluster.face.empty() || node.cluster.pieces.size() < 2) return;
+		const double area = overreach(m_pieces, node.cluster);
+		if (area > kRim * m_elementArea) return rims.push({area, index});
+		node.cluster.face = outlineOf(node.cluster);
+		m_count += elementsOf(node.cluster) - 1;
+	};
+	for (uint32_t i = 0; i < m_nodes.size(); ++i) add(i);
+	while (!rims.empty() && double(m_count) < kMostWithRims * double(m_wanted))
+	{
+		const uint32_t index = rims.top().second;
+		rims.pop();
+		split(index);
+		if (const uint32_t child = m_nodes[index].child)
+			for (const uint32_t i : {child, child + 1}) add(i);
+	}
 }
 
 /// Writes the nodes and elements of the tree in depth-first order, and widens the balls so that they hold the sheets.
@@ -299,6 +331,7 @@ Result<ContactSurface> buildContactSurface(const Mesh& mesh, const ContactSurfac
 	Builder builder(mesh, std::clamp(options.elements, kFewestElements, kMostElements));
 	if (builder.pieces().empty()) return Error{"The mesh has no triangle with an area, so it has no surface. Check the mesh and its unit."};
 	if (!builder.splitAll(options.progress)) return Error{"The build of the surface was cancelled.", true};
+	builder.splitRims();
 	return Writer(builder).write();
 }
 }  // namespace ist

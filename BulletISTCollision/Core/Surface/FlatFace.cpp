@@ -9,6 +9,9 @@ namespace
 {
 constexpr double kSame = 1e-6;  // relative difference of areas, lengths and right angles that counts as none
 
+// Least height, as a share of the tolerance, of a concave arc that is not taken for its chord.
+constexpr double kConcave = 0.05;
+
 // A simpler outline must keep this share of the area.
 constexpr double kLeastKept = 0.5;
 
@@ -93,10 +96,17 @@ double areaOfPolygon(const FacePolygon& polygon)
 	return area;
 }
 
+double overreach(const std::vector<SurfacePiece>& pieces, const SurfaceCluster& cluster)
+{
+	const FacePolygon hull = convexHull(pieces, cluster);
+	return hull.size() < 3 ? 0 : areaOfPolygon(hull) - cluster.area;
+}
+
 FacePolygon convexFace(const std::vector<SurfacePiece>& pieces, const SurfaceCluster& cluster, double tolerance)
 {
 	FacePolygon polygon = convexHull(pieces, cluster);
-	if (polygon.size() < 3 || std::fabs(areaOfPolygon(polygon) - cluster.area) > kSame * cluster.area) return {};
+	const double concave = kConcave * tolerance * cluster.radius;
+	if (polygon.size() < 3 || std::fabs(areaOfPolygon(polygon) - cluster.area) > std::max(concave, kSame * cluster.area)) return {};
 	simplify(polygon, std::max(tolerance, kSame * cluster.radius));
 	// Little is left of a strip that is narrower than the tolerance.
 	if (areaOfPolygon(polygon) < kLeastKept * cluster.area) return {};

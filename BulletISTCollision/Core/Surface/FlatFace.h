@@ -11,8 +11,11 @@ namespace ist
 using FacePolygon = std::vector<Vec3>;
 
 /// The polygon that the pieces of a flat cluster cover; empty if they do not cover a convex one. Corners that stand out less than
-/// `tolerance` [m] from the line between their neighbours are left out.
+/// `tolerance` [m] from the line between their neighbours are left out. A hole's border may be concave by a twentieth of that.
 FacePolygon convexFace(const std::vector<SurfacePiece>& pieces, const SurfaceCluster& cluster, double tolerance);
+
+/// Area by which the convex hull of a flat cluster is larger than the cluster [m^2]: how far an element would stand out of a hole.
+double overreach(const std::vector<SurfacePiece>& pieces, const SurfaceCluster& cluster);
 
 double areaOfPolygon(const FacePolygon& polygon);
 bool isRectangle(const FacePolygon& polygon);

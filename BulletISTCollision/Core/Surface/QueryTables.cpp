@@ -220,12 +220,12 @@ std::vector<SurfaceQuad> quadsOf(const ContactSurface& surface)
 	return quads;
 }
 
-float medianRadius(const DepthField& field)
+float medianOfCells(const DepthField& field, float DepthCell::*member)
 {
-	std::vector<float> radii;
-	for (const DepthCell& cell : field.cells) radii.push_back(cell.radius);
-	const auto middle = radii.begin() + std::ptrdiff_t(radii.size() / 2);
-	std::nth_element(radii.begin(), middle, radii.end());
+	std::vector<float> values;
+	for (const DepthCell& cell : field.cells) values.push_back(cell.*member);
+	const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+	std::nth_element(values.begin(), middle, values.end());
 	return *middle;
 }
 }  // namespace
@@ -234,7 +234,8 @@ QueryTables buildQueryTables(const ContactSurface& surface, const DepthField& fi
 {
 	QueryTables tables;
 	tables.quads = quadsOf(surface);
-	tables.cellRadius = medianRadius(field);
+	tables.cellRadius = medianOfCells(field, &DepthCell::radius);
+	tables.typicalError = std::max(float(surface.error()), medianOfCells(field, &DepthCell::error));
 	for (const SurfaceElement& e : surface.elements) tables.error = std::max(tables.error, e.error);
 	for (const DepthCell& c : field.cells) tables.error = std::max(tables.error, c.error);
 	PartitionTable(field, tables).build();

@@ -38,6 +38,7 @@ struct QueryTables
 	int32_t size[3] = {};             ///< number of voxels along each axis
 	float cellRadius = 0;             ///< median of the cells' radii [m]
 	float error = 0;                  ///< largest error of an element or a cell [m]
+	float typicalError = 0;           ///< root mean square error of the elements, or the median error of the cells if it is larger [m]
 
 	bool empty() const { return quads.empty(); }
 	/// Size of the arrays [bytes].

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/PairQuery/btISTFirstTouch.h"
+
+#include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Query/LeafClearance.h"
+#include "BulletISTCollision/Registry/btISTConversion.h"
+
+#include "BulletDynamics/Dynamics/btRigidBody.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace
+{
+// Shares of the thickness of the thinner body.
+constexpr double kWorthLooking = 0.02;  // motion in a step from which on a touch is looked for
+constexpr double kStride = 0.5;         // largest motion between two queries
+constexpr double kShallow = 0.01;       // mean depth that counts as a touch
+constexpr int kMostHalvings = 10;
+
+ist::Pose poseOfB(const btISTContact& contact) { return contact.X_WA * contact.X_AB; }
+
+/// Distance of the farthest point of B's field or of a tree from the centre of rotation [m].
+double reach(const ist::InnerSphereTree& tree, const ist::Pose& X_WS, const ist::Vec3& center)
+{
+	return ist::reachOf(tree) + distance(X_WS * tree.origin, center);
+}
+}  // namespace
+
+btISTFreeMotion btISTFreeMotion::of(const btCollisionObject* object, double step)
+{
+	btISTFreeMotion motion;
+	motion.center = toVec3(object->getWorldTransform().getOrigin());
+	const btRigidBody* body = btRigidBody::upcast(object);
+	if (!body) return motion;
+	motion.twist = {toVec3(body->getLinearVelocity()), toVec3(body->getAngularVelocity())};
+	if (!body->isStaticOrKinematicObject())
+		motion.twist.linear += (step * double(body->getInvMass())) * toVec3(body->getTotalForce() * body->getLinearFactor());
+	return motion;
+}
+
+ist::Pose btISTFreeMotion::after(double time, const ist::Pose& X_WS) const
+{
+	const ist::Mat3 turn = ist::rotationMatrix(ist::quaternionFromRotationVector(time * twist.angular));
+	return {turn * X_WS.rotation, center + time * twist.linear + turn * (X_WS.translation - center)};
+}
+
+/// Upper bound of the motion of any point of one body relative to the other in the step [m].
+double btISTFirstTouch::travel(const btISTContact& contact) const
+{
+	double speed = norm(m_a.twist.linear - m_b.twist.linear);
+	if (const double spin = norm(m_a.twist.angular); spin > 0) speed += spin * reach(*contact.treeA, contact.X_WA, m_a.center);
+	if (const double spin = norm(m_b.twist.angular); spin > 0)
+	{
+		const ist::Pose X_WB = poseOfB(contact);
+		// A closed form has no radius here; what of it can touch A lies within the reach of A.
+		speed += spin * (contact.treeB ? reach(*contact.treeB, X_WB, m_b.center) : reach(*contact.treeA, contact.X_WA, m_b.center));
+	}
+	return speed * m_step;
+}
+
+void btISTFirstTouch::moveTo(double time, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact) const
+{
+	contact.X_AB = inverse(m_a.after(time, X_WA)) * m_b.after(time, X_WB);
+}
+
+/// Halves the time between a pose apart and one that touches until the touch is shallow.
+void btISTFirstTouch::approachTouch(double apart, double touching, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact,
+	ist::QueryWorkspace& workspace) const
+{
+	const double shallow = kShallow * contact.thickness();
+	for (int i = 0; i < kMostHalvings && (contact.patchCount == 0 || ist::meanDepth(contact.total) > shallow); ++i)
+	{
+		const double middle = 0.5 * (apart + touching);
+		moveTo(middle, X_WA, X_WB, contact);
+		m_query.queryAt(contact, workspace);
+		(contact.patchCount > 0 ? touching : apart) = middle;
+	}
+	if (contact.patchCount == 0)
+	{
+		moveTo(touching, X_WA, X_WB, contact);
+		m_query.queryAt(contact, workspace);
+	}
+	contact.ahead = touching;
+	if (squaredNorm(m_b.twist.linear) > squaredNorm(m_a.twist.linear)) contact.X_WA = X_WB * inverse(contact.X_AB);
+}
+
+bool btISTFirstTouch::find(btISTContact& contact, ist::QueryWorkspace& workspace) const
+{
+	const double way = travel(contact), thickness = contact.thickness();
+	if (!(way > kWorthLooking * thickness) || !std::isfinite(way)) return true;
+	const ist::Pose X_WA = contact.X_WA, X_AB = contact.X_AB, X_WB = poseOfB(contact);
+	const ist::AdaptiveLevel accuracy = contact.accuracy;
+	double time = 0;
+	int queries = 0;
+	while (time < m_step && queries < kMostQueries)
+	{
+		const double known = m_query.clearanceAt(contact), before = time;
+		if (known >= way * (1 - time / m_step)) break;
+		const double clear = std::max(known, kStride * thickness);
+		time = std::min(time + m_step * clear / way, m_step);
+		moveTo(time, X_WA, X_WB, contact);
+		m_query.queryAt(contact, workspace);
+		++queries;
+		if (contact.patchCount == 0) continue;
+		approachTouch(before, time, X_WA, X_WB, contact, workspace);
+		return true;
+	}
+	contact.X_AB = X_AB;
+	contact.accuracy = accuracy;
+	return queries < kMostQueries || time >= m_step;
+}

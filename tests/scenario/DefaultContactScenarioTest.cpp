@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Zlib
+#include "tests/scenario/VolumetricScene.h"
+
+#include <map>
+#include <string>
+
+using namespace scenario;
+using ist::Vec3;
+
+// Scenes in which nothing is set: what a user gets first. The oracles are statics and free fall.
+namespace
+{
+constexpr double kGravity = 9.81;
+
+const Solid& slab()
+{
+	static const Solid solid(ist::makeBoxMesh({1, .25, 1}), 400);
+	return solid;
+}
+
+btRigidBody* addSlab(Scene& scene) { return scene.add(scene.volumetricShape(slab()), 0, 0, at({0, -.25, 0})); }
+
+ist::Mesh upright(const ist::Mesh& alongZ)
+{
+	return ist::transformed(alongZ, {ist::rotationMatrix(ist::quaternionFromRotationVector({-M_PI / 2, 0, 0})), {}});
+}
+
+/// A cone that stands on its tip.
+ist::Mesh coneOnTip()
+{
+	return ist::transformed(ist::makeConeMesh(.1, .2), {ist::rotationMatrix(ist::quaternionFromRotationVector({M_PI / 2, 0, 0})), {}});
+}
+
+/// Normal force of the contact of the two bodies in the last step, as a vector on `body` [N].
+Vec3 forceOn(Scene& scene, const btRigidBody* body, double h)
+{
+	Vec3 sum;
+	for (const btISTContact* contact : scene.world.contacts().contacts())
+	{
+		if (contact->bodyA != body && contact->bodyB != body) continue;
+		for (int i = 0; i < contact->patchCount; ++i) sum += (contact->bodyA == body ? 1 / h : -1 / h) * contact->impulses[i].force;
+	}
+	return sum;
+}
+
+/// A beam with a notch from above, its middle 0.06 m above the bottom of the notch. Convex parts that share faces would overlap there, so
+/// it is one shell.
+ist::Mesh notchedBeam(double notch)
+{
+	const double a = notch / 2, L = .25, h = .06, z = .02;
+	const double outline[8][2] = {{-L, -h}, {L, -h}, {L, h}, {a, h}, {a, 0}, {-a, 0}, {-a, h}, {-L, h}};
+	const uint32_t quads[3][4] = {{0, 5, 6, 7}, {0, 1, 4, 5}, {1, 2, 3, 4}};  // counter-clockwise
+	ist::Mesh mesh;
+	for (const double side : {-z, z})
+		for (const auto& p : outline) mesh.vertices.push_back({p[0], p[1], side});
+	const auto triangle = [&](uint32_t a0, uint32_t b, uint32_t c) { mesh.triangles.push_back({a0, b, c}); };
+	for (const auto& q : quads)
+		for (int i = 1; i < 3; ++i)
+		{
+			triangle(q[0], q[i + 1], q[i]);
+			triangle(8 + q[0], 8 + q[i], 8 + q[i + 1]);
+		}
+	for (uint32_t i = 0; i < 8; ++i)
+	{
+		const uint32_t j = (i + 1) % 8;
+		triangle(i, j, 8 + j);
+		triangle(i, 8 + j, 8 + i);
+	}
+	return mesh;
+}
+
+/// A block along the y axis with a round bore of this radius.
+ist::Mesh boredBlock(double radius)
+{
+	constexpr int n = 128;
+	ist::Mesh mesh;
+	for (const double y : {.02, -.02})
+		for (const bool outer : {true, false})
+			for (int i = 0; i < n; ++i)
+			{
+				const double angle = 2 * M_PI * i / n, c = std::cos(angle), s = std::sin(angle);
+				const double r = outer ? .03 / std::max(std::fabs(c), std::fabs(s)) : radius;
+				mesh.vertices.push_back({r * c, y, r * s});
+			}
+	const auto ring = [](int k, int i) { return uint32_t(n * k + i % n); };  // upper outer, upper inner, lower outer, lower inner
+	const auto quads = [&](int k, int l) {
+		for (int i = 0; i < n; ++i)
+		{
+			mesh.triangles.push_back({ring(k, i), ring(l, i), ring(l, i + 1)});
+			mesh.triangles.push_back({ring(k, i), ring(l, i + 1), ring(k, i + 1)});
+		}
+	};
+	quads(0, 1), quads(1, 3), quads(3, 2), quads(2, 0);
+	if (ist::massProperties(mesh).volume < 0)
+		for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
+	return mesh;
+}
+}  // namespace
+
+// Whatever the area that presses: the thickness is the length of the normal line inside of the body.
+TEST(DefaultContact, ABodyAtRestLiesShallow)
+{
+	struct Case
+	{
+		const char* name;
+		Solid solid;
+		double mass, thickness, size;
+	};
+	const Case cases[] = {{"cube", {ist::makeBoxMesh({.05, .05, .05}), 400}, 1, .1, .1},
+		{"ball", {ist::makeSphereMesh(.1, 4), 400}, 4, .2, .16},
+		{"rod on its end", {upright(ist::makeCylinderMesh(.01, .5, 48)), 400}, .3, 1, .068},
+		{"plate on its edge", {ist::makeBoxMesh({.5, .5, .01}), 400}, 15, 1, .27}, {"cone on its tip", {coneOnTip(), 400}, 1, .2, .128}};
+	for (const Case& c : cases)
+		for (const double rate : {60., 240.})
+		{
+			Scene scene;
+			addSlab(scene);
+			const double lowest = -lowestPoint(c.solid.mesh, {});
+			btRigidBody* body = scene.add(scene.volumetricShape(c.solid), c.mass, .01, at({.03, lowest + 5e-4, -.02}));
+			body->setAngularFactor(btVector3(0, 0, 0));  // guided, because some of them would fall over
+			scene.run(2, rate);
+			const std::string where = c.name + std::string(" at ") + std::to_string(rate);
+			EXPECT_LT(lowest - height(body), std::max(5e-3 * c.thickness, 2e-3 * c.size)) << where;
+			EXPECT_GT(lowest - height(body), -2e-3 * c.size) << where;
+			EXPECT_LT(double(body->getLinearVelocity().length()), 2e-4) << where;
+			EXPECT_NEAR(forceOn(scene, body, 1 / rate).y, c.mass * kGravity, .01 * c.mass * kGravity) << where;
+			EXPECT_EQ(scene.world.statistics().contactsTooDeep, 0u) << where;
+		}
+}
+
+TEST(DefaultContact, ABeamGoesIntoANotchThatIsWiderAndRests)
+{
+	const Solid beam(ist::makeBoxMesh({.02, .06, .25}), 400);
+	for (const double notch : {.042, .046})
+	{
+		const Solid lower(notchedBeam(notch), 400);
+		const double bottom = -ist::massProperties(notchedBeam(notch)).centerOfMass.y;  // of the notch, in the frame of the body
+		for (const double rate : {24., 60., 240.})
+		{
+			Scene scene;
+			scene.add(scene.volumetricShape(lower), 0, 0, at({0, -bottom, 0}));
+			btRigidBody* body = scene.add(scene.volumetricShape(beam), 1.2, .03, at({0, .06 + .06 + .01, 0}));
+			scene.run(2, rate);
+			EXPECT_NEAR(height(body), .06, 5e-4) << notch << " at " << rate;
+			EXPECT_LT(double(body->getLinearVelocity().length()), 1e-4) << notch << " at " << rate;
+		}
+	}
+}
+
+// A body stops where it touches, in Bullet's own stepSimulation, and no energy comes from it. The last step is a frame of 0.3 s.
+TEST(DefaultContact, NothingFastPassesSomethingThin)
+{
+	const Solid door(ist::makeBoxMesh({.02, 1, .5}), 400), ball(ist::makeSphereMesh(.03, 3), 300);
+	const double thinner = .02;  // of the ball, twice its volume over its surface
+	for (const double speed : {5., 20.})
+		for (int phase = 0; phase < 10; ++phase)
+			for (const bool spike : {false, true})
+			{
+				Scene scene;
+				scene.world.setGravity(btVector3(0, 0, 0));
+				scene.add(scene.volumetricShape(door), 0, 0, at({0, 0, 0}));
+				btRigidBody* body = scene.add(scene.volumetricShape(ball), .4, 1.4e-4, at({-1 - phase * speed / 600, .2, .1}));
+				body->setLinearVelocity(btVector3(btScalar(speed), 0, 0));
+				double farthest = -1;
+				for (int i = 0; i < 60; ++i)
+				{
+					const bool long_ = spike && i == int(60 / speed) - 1;
+					scene.step(long_ ? .3 : 1. / 60);
+					farthest = std::max(farthest, double(body->getWorldTransform().getOrigin().x()));
+					EXPECT_LT(double(body->getLinearVelocity().length()), speed * (1 + 1e-5));
+				}
+				EXPECT_LT(farthest, -.05 + thinner / 4) << speed << " m/s, phase " << phase << ", " << spike;
+				EXPECT_GT(farthest, -.05 - 2e-4) << speed << " m/s, phase " << phase << ", " << spike;
+				EXPECT_LT(std::fabs(double(body->getLinearVelocity().x())), .21) << speed << " m/s, phase " << phase << ", " << spike;
+			}
+}
+
+// A first touch is announced with no more than its own depth, and nothing is held before it.
+TEST(DefaultContact, WhatDoesNotTouchIsNotHeld)
+{
+	Scene scene;
+	addSlab(scene);
+	const Solid cube(ist::makeBoxMesh({.05, .05, .05}), 300);
+	btRigidBody* body = scene.add(scene.volumetricShape(cube), 1, .0017, at({0, .05 + .1, 0}));
+	double fallen = 0, speed = 0;
+	for (int i = 0; i < 60 && fallen + (speed + kGravity / 60) / 60 < .1; ++i)
+	{
+		scene.step(1. / 60);
+		speed += kGravity / 60;
+		fallen += speed / 60;
+		EXPECT_NEAR(height(body), .15 - fallen, 1e-5) << i;
+	}
+	EXPECT_GT(fallen, .08);
+	scene.step(1. / 60);
+	EXPECT_NEAR(height(body), .05, 1e-3) << "it stops at the slab, and not inside of it";
+}
+
+// Along an edge of a fit, faces of both directions touch in slivers. Their stiffness must not hold what slides past the edge.
+TEST(DefaultContact, APinFallsFreelyThroughABore)
+{
+	const Solid pin(upright(ist::makeCylinderMesh(.01, .03, 128)), 1000), block(boredBlock(.01025), 1000);
+	for (const double k : {0., 1e9})
+	{
+		Scene scene;
+		scene.add(scene.volumetricShape(block), 0, 0, at({0, 0, 0}))->setFriction(btScalar(.55));
+		btRigidBody* body = scene.add(scene.volumetricShape(pin), .15, 5e-5, at({0, .03, 0}));
+		body->setFriction(btScalar(.55));
+		if (k > 0) scene.setStiffness(body, k);
+		const double h = 1. / 240;
+		double speed = 0, fallen = 0;
+		for (int i = 0; i < 20; ++i)
+		{
+			scene.step(h);
+			speed += kGravity * h;
+			fallen += speed * h;
+		}
+		EXPECT_NEAR(height(body), .03 - fallen, .02 * fallen) << k;
+	}
+}
+
+// On an elastic foundation a box needs k >= 1.5 F h / (b c^3), with the height h of its centre and its distance c from the edge.
+TEST(DefaultContact, AnOverhangOfTwoFifthsStaysAndOneOfMoreThanHalfTips)
+{
+	const Solid box(ist::makeBoxMesh({.5, .5, .5}), 400), table(ist::makeBoxMesh({1.5, .25, 1.5}), 400);
+	for (const double overhang : {.4, .52})
+	{
+		Scene scene;
+		scene.add(scene.volumetricShape(table), 0, 0, at({0, -.25, 0}));
+		btRigidBody* body = scene.add(scene.volumetricShape(box), 100, 100. / 6, at({1.5 - .5 + overhang, .5, 0}));
+		scene.run(3, 60);
+		if (overhang < .5)
+		{
+			EXPECT_NEAR(height(body), .5, 2e-3);
+			EXPECT_LT(tilt(body), 5e-3);
+		}
+		else
+		{
+			EXPECT_LT(height(body), 0);
+		}
+	}
+}
