@@ -10,6 +10,7 @@ set(BULLETHAPTICS_HEADERS
 	BulletHapticForce/Solver/btContactEnergyTank.h
 	BulletHapticForce/Solver/btEnvelopeFactor.h
 	BulletHapticForce/Solver/btIslandBlockSolver.h
+	BulletHapticForce/Solver/btIslandJoints.h
 	BulletHapticForce/Solver/btKeyedLists.h
 	BulletHapticForce/Solver/btSweepAcceleration.h
 	BulletHapticForce/Solver/btCompensatedPoses.h

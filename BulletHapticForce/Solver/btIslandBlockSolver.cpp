@@ -38,6 +38,7 @@ constexpr double kFrictionTolerance = 1e-7;
 // cuts go further below the limit, and after this number to zero. The cuts end, because a patch without friction is not cut again.
 constexpr int kCutsToNothing = 50;
 constexpr double kImmovable = 1e-12;
+constexpr int kMaxRefinements = 3;  // of the impulses of joints
 
 Eigen::Vector3d toEigen(const ist::Vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -98,6 +99,7 @@ void btIslandBlockSolver::reserve(int bodies, int patches)
 void btIslandBlockSolver::clear()
 {
 	m_bodyCount = m_patchCount = 0;
+	m_joints.clear();
 	m_frictionPrepared = false;
 }
 
@@ -146,6 +148,13 @@ int btIslandBlockSolver::addPatch(const btContactPatch& patch, int bodyA, int bo
 	return m_patchCount++;
 }
 
+int btIslandBlockSolver::addJointRow(const btIslandJointRow& row)
+{
+	const auto rootOf = [this](int body) { return body < 0 ? nullptr : m_bodies[size_t(body)].root; };
+	m_joints.add(row, {rootOf(row.body[0]), rootOf(row.body[1])});
+	return m_joints.count() - 1;
+}
+
 void btIslandBlockSolver::startFriction(int patch, const ist::Wrench& impulse)
 {
 	const Patch& p = m_patches[size_t(patch)];
@@ -163,8 +172,8 @@ void btIslandBlockSolver::startFriction(int patch, const ist::Wrench& impulse)
 // many neighbours, such as a held one, comes after them. This keeps the envelope small.
 void btIslandBlockSolver::orderBodies()
 {
-	m_byBody.fill(m_bodyCount, m_patchCount, [this](int k, const auto& note) {
-		const int* body = m_patches[size_t(k)].body;
+	m_byBody.fill(m_bodyCount, m_patchCount + m_joints.count(), [this](int k, const auto& note) {
+		const int* body = bodiesOf(k);
 		if (body[0] < 0 || body[1] < 0) return;
 		note(body[0]);
 		if (body[1] != body[0]) note(body[1]);
@@ -182,8 +191,9 @@ void btIslandBlockSolver::orderBodies()
 		m_order.push_back(start);
 		for (; next < m_order.size(); ++next)
 			for (const int* k = m_byBody.begin(m_order[next]); k != m_byBody.end(m_order[next]); ++k)
-				for (const int other : m_patches[size_t(*k)].body)
+				for (int side = 0; side < 2; ++side)
 				{
+					const int other = bodiesOf(*k)[side];
 					if (m_bodies[size_t(other)].place >= 0) continue;
 					m_bodies[size_t(other)].place = int(m_order.size());
 					m_order.push_back(other);
@@ -191,6 +201,8 @@ void btIslandBlockSolver::orderBodies()
 	}
 	std::reverse(m_order.begin(), m_order.end());
 	for (int i = 0; i < m_bodyCount; ++i) m_bodies[size_t(m_order[size_t(i)])].place = i;
+	m_joints.setPlaces([this](int body) { return m_bodies[size_t(body)].place; });
+	if (!m_joints.isEmpty()) m_joints.setStiffness(heaviest());
 	layOutFactor();
 }
 
@@ -203,6 +215,7 @@ void btIslandBlockSolver::layOutFactor()
 		const Patch& p = m_patches[size_t(k)];
 		if (p.body[0] >= 0 && p.body[1] >= 0) m_factor.couple(placeOf(p, 0), placeOf(p, 1));
 	}
+	m_joints.couple(m_factor);
 	m_factor.layOut();
 	m_byPlace.fill(m_bodyCount, m_patchCount, [this](int k, const auto& note) {
 		if (const int place = firstPlace(m_patches[size_t(k)]); place < m_bodyCount) note(place);
@@ -226,7 +239,47 @@ bool btIslandBlockSolver::factorise()
 				m_factor.add(placeOf(p, row), placeOf(p, column), block.data());
 			}
 	}
+	m_joints.addTo(m_factor);
 	return m_factor.factorise();
+}
+
+/// Largest mass that a joint may have to hold. A stiff patch holds as if it were a mass of h^2 K + h D.
+double btIslandBlockSolver::heaviest() const
+{
+	double largest = 0;
+	for (int b = 0; b < m_bodyCount; ++b)
+	{
+		const double* root = m_bodies[size_t(b)].root;
+		const double most = std::max({root[0], root[7], root[14]});
+		if (most > 0) largest = std::max(largest, 1 / (most * most));
+	}
+	for (int k = 0; k < m_patchCount; ++k)
+	{
+		const double* S = m_patches[size_t(k)].S;
+		largest = std::max({largest, S[0], S[7], S[14]});
+	}
+	return largest;
+}
+
+bool btIslandBlockSolver::changeJoints()
+{
+	const int mayReturn = m_jointRounds < kRoundsOfAll ? m_joints.count() : m_jointRounds < kRoundsOfAll + kRoundsOfOne ? 1 : 0;
+	++m_jointRounds;
+	return m_joints.changeActiveSet(m_free.data(), m_z.data(), mayReturn);
+}
+
+/// Finds the joint rows at their limits while the friction is fixed. Returns false when the system could not be factorised.
+bool btIslandBlockSolver::settleJoints()
+{
+	for (int k = 0; k < m_patchCount; ++k)
+		if (rubs(m_patches[size_t(k)])) prepareAsked(m_patches[size_t(k)]);
+	for (;;)
+	{
+		prepareRest();
+		solveElastic();
+		if (!changeJoints()) return true;
+		if (!factorise()) return false;
+	}
 }
 
 void btIslandBlockSolver::needInverse()
@@ -266,6 +319,7 @@ void btIslandBlockSolver::prepareRest()
 	// `m_z` must be zero, because it is the state without any impulse.
 	std::fill(m_z.begin(), m_z.begin() + 6 * m_bodyCount, 0.0);
 	std::fill(m_rest.begin(), m_rest.begin() + 6 * m_bodyCount, 0.0);
+	m_joints.addRest(m_free.data(), m_rest.data());
 	for (int k = 0; k < m_patchCount; ++k)
 	{
 		Patch& p = m_patches[size_t(k)];
@@ -508,6 +562,16 @@ bool btIslandBlockSolver::changeActiveSet(int mayReturn)
 	return changed;
 }
 
+void btIslandBlockSolver::setZero()
+{
+	for (int k = 0; k < m_patchCount; ++k)
+	{
+		Map<Vec6>(m_patches[size_t(k)].elastic).setZero();
+		Map<Eigen::Vector3d>(tangent(k)).setZero();
+	}
+	m_joints.setZero();
+}
+
 bool btIslandBlockSolver::solve(const ist::Twist* free)
 {
 	reserve(m_bodyCount, m_patchCount);
@@ -519,20 +583,18 @@ bool btIslandBlockSolver::solve(const ist::Twist* free)
 	m_frictionNotConverged = false;
 	m_sweeps = 0;
 	m_remainingChange = 0;
+	m_jointRounds = 0;
 	m_productsBefore = m_products + m_factor.products();
-	for (int round = 0;; ++round)
+	const bool hasJoints = !m_joints.isEmpty();
+	m_rounds = 0;
+	for (int refinements = 0;;)
 	{
-		m_rounds = round;
 		if (!m_frictionPrepared)
 		{
-			if (round == 0) orderBodies();
-			if (!factorise())
+			if (m_rounds == 0) orderBodies();
+			if (!factorise() || (hasJoints && !settleJoints()))
 			{
-				for (int k = 0; k < m_patchCount; ++k)
-				{
-					Map<Vec6>(m_patches[size_t(k)].elastic).setZero();
-					Map<Eigen::Vector3d>(tangent(k)).setZero();
-				}
+				setZero();
 				return false;
 			}
 			prepareFriction();
@@ -540,9 +602,13 @@ bool btIslandBlockSolver::solve(const ist::Twist* free)
 		prepareRest();
 		if (m_hasFriction) iterateFriction();
 		else solveElastic();
-		const int mayReturn = round < kRoundsOfAll ? m_patchCount : round < kRoundsOfAll + kRoundsOfOne ? 1 : 0;
-		if (!changeActiveSet(mayReturn)) return true;
-		m_frictionPrepared = false;
+		const int mayReturn = m_rounds < kRoundsOfAll ? m_patchCount : m_rounds < kRoundsOfAll + kRoundsOfOne ? 1 : 0;
+		if ((hasJoints && changeJoints()) || changeActiveSet(mayReturn))
+		{
+			m_frictionPrepared = false;
+			++m_rounds;
+		}
+		else if (!hasJoints || !m_joints.refine() || refinements++ == kMaxRefinements) return true;
 	}
 }
 

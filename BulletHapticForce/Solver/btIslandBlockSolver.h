@@ -2,6 +2,7 @@
 #pragma once
 
 #include "BulletHapticForce/Solver/btEnvelopeFactor.h"
+#include "BulletHapticForce/Solver/btIslandJoints.h"
 #include "BulletHapticForce/Solver/btKeyedLists.h"
 #include "BulletHapticForce/Solver/btSweepAcceleration.h"
 #include "BulletHapticForce/Solver/btVolumetricRows.h"
@@ -9,13 +10,16 @@
 #include <cstdint>
 #include <vector>
 
-/// Solves all patches of an island at once. An island contains the bodies that are connected through patches and can move. One solve is
-/// exact where iterations over single patches fail: at mass or stiffness ratios far from 1, and in stacks.
+/// Solves all patches and joints of an island at once. An island contains the bodies that are connected through them and can move. One
+/// solve is exact where iterations over single rows fail: at mass or stiffness ratios far from 1, in stacks, and where a motor presses.
 ///
 /// Elastic part: backward Euler of the whole island, (I + R J^T S J R) z = R J^T (h w0 - S u), with the twists v = v_free + R z and S =
 /// h^2 K + h D. R is the square root of the inverse mass matrix. Immovable directions therefore need no special case, and no stiffness is
 /// inverted. The system is solved by an envelope Cholesky factorisation in reversed breadth-first order of the bodies (btEnvelopeFactor).
 /// Patches that would pull are removed, and the rest is solved again.
+///
+/// Joints: their rows are stiff dampers in the same factor, see btIslandJoints. Rows beyond their limits leave it in rounds of their own,
+/// each a factorisation and a substitution, before the friction is solved.
 ///
 /// Friction: each patch has the ball of btVolumetricRow. The solver makes Gauss-Seidel sweeps over the response of the whole elastic
 /// island. Each visit solves one patch exactly while the others are fixed. The sweeps are accelerated (btSweepAcceleration).
@@ -37,6 +41,8 @@ public:
 	/// Adds a patch, and returns its index. `bodyA` and `bodyB` are indices of bodies, or -1 for an immovable body. `given` is the twist
 	/// at `point` of the immovable bodies, as A minus B.
 	int addPatch(const btContactPatch& patch, int bodyA, int bodyB, const ist::Twist& given, double h, double friction);
+	/// Adds a row of a joint between bodies of the island, and returns its index.
+	int addJointRow(const btIslandJointRow& row);
 	/// Sets the start of the search for the patch's friction: an impulse on A about its point, of which only the part that friction can
 	/// exert is used.
 	void startFriction(int patch, const ist::Wrench& impulse);
@@ -54,6 +60,8 @@ public:
 	ist::Wrench elasticImpulse(int patch) const;
 	/// Normal part of the impulse [N s].
 	double normalImpulse(int patch) const;
+	/// Impulse of a joint's row [N s], or [N m s].
+	double jointImpulse(int row) const { return m_joints.impulse(row); }
 	/// Number of sweeps of the friction iteration in the last solve. `remainingChange` is the largest change of an impulse in the last of
 	/// them [N s].
 	int sweeps() const { return m_sweeps; }
@@ -94,9 +102,17 @@ private:
 	void orderBodies();
 	void layOutFactor();
 	bool factorise();
+	double heaviest() const;
+	bool changeJoints();
+	bool settleJoints();
 	void needInverse();
 	void prepareRest();
 	void beginState();
+	const int* bodiesOf(int item) const
+	{
+		return item < m_patchCount ? m_patches[size_t(item)].body : m_joints.bodies(item - m_patchCount);
+	}
+	void setZero();
 	void solveElastic();
 	void prepareFriction();
 	void prepareAsked(Patch& patch) const;
@@ -117,8 +133,9 @@ private:
 	int m_bodyCount = 0, m_patchCount = 0;
 	std::vector<Body> m_bodies;
 	std::vector<Patch> m_patches;
+	btIslandJoints m_joints;
 	std::vector<int> m_order;  // bodies in the order of elimination
-	btKeyedLists m_byBody;     // patches between two movable bodies, for each of the two
+	btKeyedLists m_byBody;     // patches and joint rows between two movable bodies, for each of the two
 	btKeyedLists m_byPlace;    // patches for the first of their bodies in the order of elimination
 	btEnvelopeFactor m_factor;
 	std::vector<double> m_free;       // 6 numbers per body
@@ -128,7 +145,7 @@ private:
 	btSweepAcceleration m_acceleration;
 	uint64_t m_products = 0, m_productsBefore = 0;
 	bool m_inverseKnown = false, m_hasFriction = false;
-	int m_sweeps = 0, m_rounds = 0;
+	int m_sweeps = 0, m_rounds = 0, m_jointRounds = 0;
 	bool m_frictionNotConverged = false;
 	double m_remainingChange = 0;
 	bool m_frictionPrepared = false;

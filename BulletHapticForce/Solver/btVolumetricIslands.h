@@ -6,15 +6,21 @@
 #include "BulletHapticForce/Solver/btIslandBlockSolver.h"
 #include "BulletHapticForce/Solver/btVolumetricStatistics.h"
 
+#include "BulletDynamics/ConstraintSolver/btSolverConstraint.h"
+
 #include <memory>
 #include <vector>
 
 class btRigidBody;
 struct btSolverBody;
 
-/// The volumetric contacts of one call of Bullet's solver, grouped into islands: bodies that are connected through such contacts.
-/// btIslandBlockSolver solves an island at once. An island that is too large for it is solved patch by patch, in Bullet's iterations. An
-/// island is solved only once when no row of Bullet moves its bodies, because iterations would change nothing.
+/// The volumetric contacts of one call of Bullet's solver, grouped into islands: bodies that are connected through such contacts, and
+/// through joints. btIslandBlockSolver solves an island at once, with the rows of its joints. An island that is too large for it is solved
+/// patch by patch, in Bullet's iterations; its joints stay Bullet's. An island is solved only once when no other row of Bullet moves its
+/// bodies, because iterations would change nothing.
+///
+/// Joints join islands in Bullet's order, as long as the sum is not too large. All other joints stay Bullet's, as do those of islands
+/// without volumetric contact.
 ///
 /// `bodies` is always Bullet's pool of solver bodies. Allocates nothing after the largest scene has been seen.
 class btVolumetricIslands
@@ -32,7 +38,10 @@ public:
 	static bool isFinite(const btSolverBody& body);
 	/// Adds all patches of a contact between two bodies of the pool. At least one of the bodies must be able to move.
 	void add(btISTContact& contact, int bodyA, int bodyB, double friction);
-	/// Builds the islands; call it after the last `add`. `touched` are the bodies that Bullet's own rows move. `h` is the step [s], and
+	/// Adds the rows of all joints, in Bullet's order. `prepare` takes those that it solves out of Bullet's iterations. Call it after the
+	/// last `add`. `rows` must live until `finish`.
+	void addJoints(btConstraintArray& rows, const btSolverBody* bodies);
+	/// Builds the islands; call it after the last `add`. `touched` are the bodies that Bullet's rows of contacts move. `h` is the step [s], and
 	/// `step` its number in the store.
 	void prepare(const btSolverBody* bodies, int bodyCount, const std::vector<int>& touched, double h, uint64_t step);
 	/// Visits every island once. Returns the largest squared change of a force impulse [N^2 s^2].
@@ -60,9 +69,23 @@ private:
 		ist::Wrench impulse, elastic;
 		double normalImpulse = 0;
 	};
+	/// The rows of one joint.
+	struct Joint
+	{
+		btSolverConstraint* rows = nullptr;
+		int count = 0;
+		int bodyA = 0, bodyB = 0;
+		bool finite = true;
+		int next = -1;  // next joint of the same island
+	};
+	struct Size
+	{
+		int bodies = 0, patches = 0;
+	};
 	struct Island
 	{
 		int first = -1, entryCount = 0, bodyCount = 0;
+		int firstJoint = -1;
 		bool touched = false;
 		double weight = 0;          // weight of the bodies that have a gravity of their own [N]
 		double weightlessMass = 0;  // mass of the other bodies [kg]
@@ -71,7 +94,9 @@ private:
 	{
 		btIslandBlockSolver solver;
 		std::vector<int> bodies, entries;
+		std::vector<btSolverConstraint*> jointRows;
 		std::vector<ist::Twist> free;
+		std::vector<ist::Wrench> joints;  // change of the joints' impulses on each body, about its centre of mass
 	};
 	struct Row
 	{
@@ -80,6 +105,12 @@ private:
 	};
 
 	int rootOf(int body);
+	/// A body of the joint that can move.
+	static int movableBody(const Joint& joint, const btSolverBody* bodies);
+	void joinByJoints(const btSolverBody* bodies);
+	void takeJoints(const btSolverBody* bodies);
+	void addJointRows(Block& block, const Joint& joint, const btSolverBody* bodies);
+	double applyJoints(Block& block, btSolverBody* bodies);
 	void findIslands(const btSolverBody* bodies, const std::vector<int>& touched);
 	void weigh(const btSolverBody* bodies);
 	static ist::Twist freeTwist(const Entry& e, const btSolverBody* bodies);
@@ -102,6 +133,8 @@ private:
 	uint64_t m_stepNumber = 0;
 	size_t m_reserved = 0;  // number of contacts
 	std::vector<Entry> m_entries;
+	std::vector<Joint> m_joints;
+	std::vector<Size> m_sizes;  // of the island of each root, while joints join islands
 	std::vector<Island> m_islands;
 	std::vector<int> m_parent, m_islandOfRoot, m_indexInBlock;
 	Block m_passing;                                // islands that are solved once

@@ -117,19 +117,19 @@ void btVolumetricSolver<Base>::addLinkContact(
 template <class Base> void btVolumetricSolver<Base>::collectTouchedBodies()
 {
 	m_touched.clear();
-	for (const btConstraintArray* rows : {&this->m_tmpSolverContactConstraintPool, &this->m_tmpSolverNonContactConstraintPool})
-		for (int i = 0; i < rows->size(); ++i)
-		{
-			m_touched.push_back((*rows)[i].m_solverBodyIdA);
-			m_touched.push_back((*rows)[i].m_solverBodyIdB);
-		}
+	const btConstraintArray& rows = this->m_tmpSolverContactConstraintPool;
+	for (int i = 0; i < rows.size(); ++i)
+	{
+		m_touched.push_back(rows[i].m_solverBodyIdA);
+		m_touched.push_back(rows[i].m_solverBodyIdB);
+	}
 	m_links.appendTouched(m_touched);
 	if constexpr (kHasLinks)
-		for (const btMultiBodyConstraintArray* rows : {&this->m_multiBodyNormalContactConstraints, &this->m_multiBodyNonContactConstraints})
-			for (int i = 0; i < rows->size(); ++i)
+		for (const btMultiBodyConstraintArray* array : {&this->m_multiBodyNormalContactConstraints, &this->m_multiBodyNonContactConstraints})
+			for (int i = 0; i < array->size(); ++i)
 			{
-				if (!(*rows)[i].m_multiBodyA) m_touched.push_back((*rows)[i].m_solverBodyIdA);
-				if (!(*rows)[i].m_multiBodyB) m_touched.push_back((*rows)[i].m_solverBodyIdB);
+				if (!(*array)[i].m_multiBodyA) m_touched.push_back((*array)[i].m_solverBodyIdA);
+				if (!(*array)[i].m_multiBodyB) m_touched.push_back((*array)[i].m_solverBodyIdB);
 			}
 }
 
@@ -150,6 +150,7 @@ void btVolumetricSolver<Base>::convertContacts(btPersistentManifold** manifolds,
 	Base::convertContacts(m_others.data(), int(m_others.size()), info);
 	if (m_ours.empty()) return;
 	collectTouchedBodies();
+	m_islands.addJoints(this->m_tmpSolverNonContactConstraintPool, &this->m_tmpSolverBodyPool[0]);
 	m_islands.prepare(&this->m_tmpSolverBodyPool[0], this->m_tmpSolverBodyPool.size(), m_touched, double(info.m_timeStep), m_store->step());
 }
 
