@@ -39,6 +39,7 @@ constexpr double kFrictionTolerance = 1e-7;
 constexpr int kCutsToNothing = 50;
 constexpr double kImmovable = 1e-12;
 constexpr int kMaxRefinements = 3;  // of the impulses of joints
+constexpr int kMaxSearches = 8;     // of the rows of joints at their limits, after friction has changed them
 
 Eigen::Vector3d toEigen(const ist::Vec3& v) { return {v.x, v.y, v.z}; }
 
@@ -261,23 +262,17 @@ double btIslandBlockSolver::heaviest() const
 	return largest;
 }
 
-bool btIslandBlockSolver::changeJoints()
-{
-	const int mayReturn = m_jointRounds < kRoundsOfAll ? m_joints.count() : m_jointRounds < kRoundsOfAll + kRoundsOfOne ? 1 : 0;
-	++m_jointRounds;
-	return m_joints.changeActiveSet(m_free.data(), m_z.data(), mayReturn);
-}
-
 /// Finds the joint rows at their limits while the friction is fixed. Returns false when the system could not be factorised.
 bool btIslandBlockSolver::settleJoints()
 {
 	for (int k = 0; k < m_patchCount; ++k)
 		if (rubs(m_patches[size_t(k)])) prepareAsked(m_patches[size_t(k)]);
+	m_joints.beginSearch();
 	for (;;)
 	{
 		prepareRest();
 		solveElastic();
-		if (!changeJoints()) return true;
+		if (!m_joints.changeActiveSet(m_free.data(), m_z.data())) return true;
 		if (!factorise()) return false;
 	}
 }
@@ -583,11 +578,10 @@ bool btIslandBlockSolver::solve(const ist::Twist* free)
 	m_frictionNotConverged = false;
 	m_sweeps = 0;
 	m_remainingChange = 0;
-	m_jointRounds = 0;
 	m_productsBefore = m_products + m_factor.products();
 	const bool hasJoints = !m_joints.isEmpty();
 	m_rounds = 0;
-	for (int refinements = 0;;)
+	for (int refinements = 0, searches = 0;;)
 	{
 		if (!m_frictionPrepared)
 		{
@@ -603,7 +597,8 @@ bool btIslandBlockSolver::solve(const ist::Twist* free)
 		if (m_hasFriction) iterateFriction();
 		else solveElastic();
 		const int mayReturn = m_rounds < kRoundsOfAll ? m_patchCount : m_rounds < kRoundsOfAll + kRoundsOfOne ? 1 : 0;
-		if ((hasJoints && changeJoints()) || changeActiveSet(mayReturn))
+		const bool settled = !hasJoints || m_joints.isSettled(m_free.data(), m_z.data()) || searches++ == kMaxSearches;
+		if (!settled || changeActiveSet(mayReturn))
 		{
 			m_frictionPrepared = false;
 			++m_rounds;

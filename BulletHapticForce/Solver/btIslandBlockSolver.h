@@ -103,7 +103,6 @@ private:
 	void layOutFactor();
 	bool factorise();
 	double heaviest() const;
-	bool changeJoints();
 	bool settleJoints();
 	void needInverse();
 	void prepareRest();
@@ -145,7 +144,7 @@ private:
 	btSweepAcceleration m_acceleration;
 	uint64_t m_products = 0, m_productsBefore = 0;
 	bool m_inverseKnown = false, m_hasFriction = false;
-	int m_sweeps = 0, m_rounds = 0, m_jointRounds = 0;
+	int m_sweeps = 0, m_rounds = 0;
 	bool m_frictionNotConverged = false;
 	double m_remainingChange = 0;
 	bool m_frictionPrepared = false;

@@ -11,6 +11,9 @@ constexpr int kSide = btEnvelopeFactor::kSide;
 constexpr double kStiffness = 1e3;
 // A larger product of stiffness and response would cost digits of the factor.
 constexpr double kStiffest = 1e9;
+// The search moves all rows at once until this many rounds have not reduced the number of rows that are in the wrong state.
+constexpr int kPatience = 3;
+constexpr int kMaxRounds = 60;
 constexpr double kRefined = 1e-6;  // share of the largest impulse
 
 double product(const double* a, const double* b)
@@ -91,25 +94,70 @@ void btIslandJoints::addRest(const double* free, double* rest) const
 	}
 }
 
-bool btIslandJoints::changeActiveSet(const double* free, const double* z, int mayReturn)
+double btIslandJoints::Row::limit() const
 {
-	bool changed = false;
+	if (state == State::Lower) return given.lower;
+	return state == State::Upper ? given.upper : std::clamp(0.0, given.lower, given.upper);
+}
+
+btIslandJoints::State btIslandJoints::aim(Row& r, const double* free, const double* z)
+{
+	double now = velocity(r, free);
+	for (int side = 0; side < 2; ++side)
+		if (r.place[side] >= 0) now += product(r.jacobian[side], z + kSide * r.place[side]);
+	const double aim = (r.former + r.stiffness * (r.given.wanted - now)) * r.softening();
+	r.impulse = r.state == State::Free ? std::clamp(aim, r.given.lower, r.given.upper) : r.limit();
+	// A row without a range, such as that of a motor without force, needs no state but one.
+	if (!(r.given.lower < r.given.upper)) return State::Lower;
+	return aim < r.given.lower ? State::Lower : aim > r.given.upper ? State::Upper : State::Free;
+}
+
+void btIslandJoints::beginSearch()
+{
+	m_fewest = count() + 1;
+	m_patience = kPatience;
+	m_rounds = 0;
+	for (Row& r : m_rows)
+		if (r.state == State::Idle) r.state = State::Free;
+}
+
+bool btIslandJoints::changeActiveSet(const double* free, const double* z)
+{
+	Row* last = nullptr;
+	int wrong = 0;
+	for (Row& r : m_rows)
+		if (r.state != State::Idle && aim(r, free, z) != r.state)
+		{
+			last = &r;
+			++wrong;
+		}
+	if (wrong == 0) return false;
+	if (wrong < m_fewest) m_patience = kPatience;
+	m_fewest = std::min(m_fewest, wrong);
+	const bool isLost = ++m_rounds > kMaxRounds;
+	if (--m_patience < 0 && !isLost)
+	{
+		last->state = last->state == State::Free ? aim(*last, free, z) : State::Free;
+		return true;
+	}
 	for (Row& r : m_rows)
 	{
-		double now = velocity(r, free);
-		for (int side = 0; side < 2; ++side)
-			if (r.place[side] >= 0) now += product(r.jacobian[side], z + kSide * r.place[side]);
-		const double aim = (r.former + r.stiffness * (r.given.wanted - now)) * r.softening();
-		const State next = aim < r.given.lower ? State::Lower : aim > r.given.upper ? State::Upper : State::Free;
-		if (next != r.state && (r.state == State::Free || (mayReturn > 0 && r.given.lower < r.given.upper)))
-		{
-			mayReturn -= r.state != State::Free;
-			r.state = next;
-			changed = true;
-		}
-		r.impulse = r.state == State::Free ? aim : r.limit();
+		if (r.state == State::Idle) continue;
+		const State next = aim(r, free, z);
+		if (next != r.state) r.state = isLost ? State::Idle : next;
 	}
-	return changed;
+	return true;
+}
+
+bool btIslandJoints::isSettled(const double* free, const double* z)
+{
+	bool settled = true;
+	for (Row& r : m_rows)
+	{
+		const State next = aim(r, free, z);
+		settled = settled && (r.state == State::Idle || next == r.state);
+	}
+	return settled;
 }
 
 bool btIslandJoints::refine()

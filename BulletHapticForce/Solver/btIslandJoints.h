@@ -43,8 +43,13 @@ public:
 	void addTo(btEnvelopeFactor& factor) const;
 	/// Adds the rows' part of the right-hand side.
 	void addRest(const double* free, double* rest) const;
-	/// Computes the impulses, and moves rows to their limits or, at most `mayReturn` of them, back. Returns true when a row has moved.
-	bool changeActiveSet(const double* free, const double* z, int mayReturn);
+	/// Begins a search for the rows at their limits.
+	void beginSearch();
+	/// Computes the impulses, and moves rows to their limits or back. Returns false when no row has to move, which ends the search. It
+	/// moves all rows at once while that helps, and then the last one alone, which cannot cycle (Judice and Pires, 1994).
+	bool changeActiveSet(const double* free, const double* z);
+	/// Computes the impulses, and returns true when they agree with the limits.
+	bool isSettled(const double* free, const double* z);
 	/// Returns true when the impulses have changed, and another solve makes them more exact.
 	bool refine();
 	void setZero();
@@ -55,7 +60,8 @@ private:
 	{
 		Free,
 		Lower,
-		Upper
+		Upper,
+		Idle  // the search has not ended: exerts nothing, or the limit next to it
 	};
 	struct Row
 	{
@@ -69,9 +75,12 @@ private:
 		State state = State::Free;
 
 		double softening() const { return 1 / (1 + stiffness * given.compliance); }
-		double limit() const { return state == State::Lower ? given.lower : given.upper; }
+		double limit() const;
 	};
 	static double velocity(const Row& row, const double* free);
+	/// State in which the row would be by its velocity; sets its impulse.
+	static State aim(Row& row, const double* free, const double* z);
 
+	int m_fewest = 0, m_patience = 0, m_rounds = 0;
 	std::vector<Row> m_rows;
 };
