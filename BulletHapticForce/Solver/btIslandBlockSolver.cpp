@@ -597,13 +597,13 @@ bool btIslandBlockSolver::solve(const ist::Twist* free)
 		if (m_hasFriction) iterateFriction();
 		else solveElastic();
 		const int mayReturn = m_rounds < kRoundsOfAll ? m_patchCount : m_rounds < kRoundsOfAll + kRoundsOfOne ? 1 : 0;
-		const bool settled = !hasJoints || m_joints.isSettled(m_free.data(), m_z.data()) || searches++ == kMaxSearches;
+		const bool settled = !hasJoints || m_joints.isSettled(m_free.data(), m_z.data()) || searches++ >= kMaxSearches;
 		if (!settled || changeActiveSet(mayReturn))
 		{
 			m_frictionPrepared = false;
 			++m_rounds;
 		}
-		else if (!hasJoints || !m_joints.refine() || refinements++ == kMaxRefinements) return true;
+		else if (!hasJoints || !m_joints.refine() || refinements++ >= kMaxRefinements) return true;
 	}
 }
 
