@@ -4,7 +4,6 @@
 #include "BulletHapticForce/Solver/btSolverBodyMotion.h"
 
 #include "BulletDynamics/Featherstone/btMultiBody.h"
-#include "BulletDynamics/Featherstone/btMultiBodyConstraint.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +14,11 @@ using namespace btSolverBodyMotion;
 namespace
 {
 using Six = double[6];
+
+// A patch that bears a smaller share of a row's impulse hardly slows its convergence.
+constexpr double kLittle = 0.5;
+// Single precision does not know the response of loaded links better than this.
+constexpr double kStiffest = 1e4;
 
 void toArray(const ist::Vec3& a, const ist::Vec3& b, Six& out)
 {
@@ -29,6 +33,7 @@ void btVolumetricLinks::clear()
 {
 	m_entries.clear();
 	m_jacobians.clear();
+	m_loaded.clear();
 }
 
 btVolumetricLinks::PlacedSide btVolumetricLinks::place(const Side& side, const ist::Vec3& point, btMultiBodyJacobianData& data)
@@ -244,18 +249,63 @@ void btVolumetricLinks::appendTouched(std::vector<int>& touched) const
 			if (!s.multiBody) touched.push_back(s.body);
 }
 
+/// Relative twist at the patch by a unit impulse of the row, as far as it moves multibodies.
+ist::Twist btVolumetricLinks::responseTo(
+	const btMultiBodySolverConstraint& row, const Entry& e, const btMultiBodyJacobianData& data) const
+{
+	Six u = {};
+	const auto add = [&](const btMultiBody* moved, int unitResponse) {
+		for (int k = 0; k < 2; ++k)
+		{
+			const PlacedSide& s = e.side[k];
+			if (!moved || s.multiBody != moved) continue;
+			for (int i = 0; i < 6; ++i)
+				for (int d = 0; d < s.dofs; ++d)
+					u[i] += (k == 0 ? 1 : -1) * m_jacobians[s.jacobian + size_t(i * s.dofs + d)] *
+						double(data.m_deltaVelocitiesUnitImpulse[unitResponse + d]);
+		}
+	};
+	add(row.m_multiBodyA, row.m_jacAindex);
+	add(row.m_multiBodyB, row.m_jacBindex);
+	return {{u[0], u[1], u[2]}, {u[3], u[4], u[5]}};
+}
+
+void btVolumetricLinks::findLoaded(const btMultiBodyConstraintArray& rows, const btMultiBodyJacobianData& data)
+{
+	for (int i = 0; i < rows.size(); ++i)
+	{
+		const double alone = 1 / double(rows[i].m_jacDiagABInv);
+		double most = 0;
+		Loaded loaded;
+		loaded.row = i;
+		for (size_t k = 0; k < m_entries.size(); ++k)
+		{
+			const double borne = m_entries[k].row.borne(responseTo(rows[i], m_entries[k], data));
+			if (!(borne > most)) continue;
+			most = borne;
+			loaded.patch = int(k);
+		}
+		if (!(most > kLittle * alone) || !std::isfinite(alone)) continue;
+		loaded.stiffening = 1 / std::max(1 - most / alone, 1 / kStiffest);
+		m_loaded.push_back(loaded);
+	}
+}
+
+double btVolumetricLinks::visit(int patch, btSolverBody* bodies, btMultiBodyJacobianData& data)
+{
+	Entry& e = m_entries[size_t(patch)];
+	const ist::Wrench change = e.row.solve(relative(e, bodies, state(e, bodies, data)));
+	apply(e, change, bodies, data);
+	e.impulse = e.row.impulse();
+	e.elastic = e.row.elasticImpulse();
+	e.normalImpulse = e.row.normalImpulse();
+	return dot(change.force, change.force);
+}
+
 double btVolumetricLinks::iterate(btSolverBody* bodies, btMultiBodyJacobianData& data)
 {
 	double residual = 0;
-	for (Entry& e : m_entries)
-	{
-		const ist::Wrench change = e.row.solve(relative(e, bodies, state(e, bodies, data)));
-		apply(e, change, bodies, data);
-		e.impulse = e.row.impulse();
-		e.elastic = e.row.elasticImpulse();
-		e.normalImpulse = e.row.normalImpulse();
-		residual = std::max(residual, dot(change.force, change.force));
-	}
+	for (size_t i = 0; i < m_entries.size(); ++i) residual = std::max(residual, visit(int(i), bodies, data));
 	return residual;
 }
 

@@ -5,15 +5,19 @@
 #include "BulletHapticForce/Solver/btVolumetricRows.h"
 #include "BulletHapticForce/Solver/btVolumetricStatistics.h"
 
+#include "BulletDynamics/Featherstone/btMultiBodyConstraint.h"
+
 #include <vector>
 
 class btMultiBody;
-struct btMultiBodyJacobianData;
 struct btSolverBody;
 
 /// Volumetric contacts with at least one link of a btMultiBody. Each patch is a btVolumetricRow. Its response J M^-1 J^T uses the links'
 /// own Jacobians (Featherstone's algorithm, as in Bullet's own rows). It is visited in each of Bullet's iterations, beside the rows of
 /// joints and motors. The patches are solved one at a time, so the limits of iterations apply to links.
+///
+/// A row of a joint or motor that moves the links of a patch is visited once more in each iteration, together with the patch that bears
+/// most of its impulse (Loaded). Without that, an iteration would add no more than the impulse that moves the unloaded links.
 ///
 /// `bodies` is Bullet's pool of solver bodies, and `data` that of its multibody solver. Allocates nothing after the largest scene has
 /// been seen.
@@ -28,6 +32,13 @@ public:
 		int body = 0;
 	};
 
+	/// A row of Bullet's multibody solver, and the patch that bears most of its impulse.
+	struct Loaded
+	{
+		int row = 0, patch = 0;
+		double stiffening = 1;  ///< effective mass of the row with the patch in place, over that of the row alone
+	};
+
 	void clear();
 	bool isEmpty() const { return m_entries.empty(); }
 	/// Adds all patches of a contact. `h` is the step [s]. Contacts and patches that exert no force are counted in `statistics`.
@@ -35,6 +46,12 @@ public:
 		btMultiBodyJacobianData& data, btVolumetricStatistics& statistics);
 	/// Appends the bodies of the pool that these rows move.
 	void appendTouched(std::vector<int>& touched) const;
+	/// Finds the rows that move the links of patches. Call it after the last `add`.
+	void findLoaded(const btMultiBodyConstraintArray& rows, const btMultiBodyJacobianData& data);
+	const std::vector<Loaded>& loaded() const { return m_loaded; }
+	/// Visits one patch. Returns the squared change of its force impulse [N^2 s^2].
+	double visit(int patch, btSolverBody* bodies, btMultiBodyJacobianData& data);
+	bool pushes(int patch) const { return m_entries[size_t(patch)].normalImpulse > 0; }
 	/// Visits every patch once. Returns the largest squared change of a force impulse [N^2 s^2].
 	double iterate(btSolverBody* bodies, btMultiBodyJacobianData& data);
 	/// Adds to each body's twist the change by all these patches.
@@ -78,10 +95,12 @@ private:
 	void apply(const Entry& e, const ist::Wrench& impulse, btSolverBody* bodies, btMultiBodyJacobianData& data) const;
 	void holdToEnergyTank(size_t first, int count, btSolverBody* bodies, btMultiBodyJacobianData& data, std::vector<ist::Twist>& change,
 		btVolumetricStatistics& statistics);
+	ist::Twist responseTo(const btMultiBodySolverConstraint& row, const Entry& e, const btMultiBodyJacobianData& data) const;
 	void writeFeedback(const Entry& e) const;
 
 	double m_step = 0;
 	std::vector<Entry> m_entries;
+	std::vector<Loaded> m_loaded;
 	std::vector<double> m_jacobians;
 	Motion m_motion, m_own;
 	std::vector<double> m_changed;  // change of the multibodies' velocities by all volumetric contacts

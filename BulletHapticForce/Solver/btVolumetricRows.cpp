@@ -215,6 +215,13 @@ ist::Wrench btVolumetricRow::solve(const ist::Twist& relative)
 	return {{change(0), change(1), change(2)}, {change(3), change(4), change(5)}};
 }
 
+double btVolumetricRow::borne(const ist::Twist& twist) const
+{
+	Vec6 w;
+	w << toEigen(twist.linear), toEigen(twist.angular);
+	return w.dot(Map<const Mat6>(m_C) * w);
+}
+
 ist::Wrench btVolumetricRow::impulse() const
 {
 	const Vec6 total = Map<const Vec6>(m_elastic) + Map<const Mat63>(m_E) * Map<const Vector3d>(m_tangent);

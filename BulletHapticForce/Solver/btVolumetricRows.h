@@ -33,6 +33,10 @@ public:
 	/// the impulse on A, about `point()`.
 	ist::Wrench solve(const ist::Twist& relative);
 
+	/// Share of a unit impulse elsewhere that the patch bears: w^T C w, where `w` is the relative twist at `point()` by that impulse.
+	/// Subtracted from the response of that impulse, it gives the response of the loaded bodies.
+	double borne(const ist::Twist& w) const;
+
 	const ist::Vec3& point() const { return m_point; }
 	/// Impulse on A, about `point()` [N s, N m s].
 	ist::Wrench impulse() const;

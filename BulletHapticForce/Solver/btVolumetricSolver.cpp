@@ -133,6 +133,32 @@ template <class Base> void btVolumetricSolver<Base>::collectTouchedBodies()
 			}
 }
 
+/// Visits the rows of multibodies that press on patches, each with its patch. If the patch does not push afterwards, the links are free, and
+/// the row is visited as if it were alone.
+template <class Base> void btVolumetricSolver<Base>::visitLoadedRows()
+{
+	if constexpr (kHasLinks)
+	{
+		btSolverBody* pool = &this->m_tmpSolverBodyPool[0];
+		for (const btVolumetricLinks::Loaded& loaded : m_links.loaded())
+		{
+			btMultiBodySolverConstraint& row = this->m_multiBodyNonContactConstraints[loaded.row];
+			const btScalar rhs = row.m_rhs, cfm = row.m_cfm, mass = row.m_jacDiagABInv, stiffening = btScalar(loaded.stiffening);
+			row.m_rhs *= stiffening;
+			row.m_cfm *= stiffening;
+			row.m_jacDiagABInv *= stiffening;
+			this->resolveSingleConstraintRowGeneric(row);
+			m_links.visit(loaded.patch, pool, this->m_data);
+			row.m_rhs = rhs;
+			row.m_cfm = cfm;
+			row.m_jacDiagABInv = mass;
+			if (m_links.pushes(loaded.patch)) continue;
+			this->resolveSingleConstraintRowGeneric(row);
+			m_links.visit(loaded.patch, pool, this->m_data);
+		}
+	}
+}
+
 template <class Base>
 void btVolumetricSolver<Base>::convertContacts(btPersistentManifold** manifolds, int count, const btContactSolverInfo& info)
 {
@@ -149,6 +175,7 @@ void btVolumetricSolver<Base>::convertContacts(btPersistentManifold** manifolds,
 	}
 	Base::convertContacts(m_others.data(), int(m_others.size()), info);
 	if (m_ours.empty()) return;
+	if constexpr (kHasLinks) m_links.findLoaded(this->m_multiBodyNonContactConstraints, this->m_data);
 	collectTouchedBodies();
 	m_islands.addJoints(this->m_tmpSolverNonContactConstraintPool, &this->m_tmpSolverBodyPool[0]);
 	m_islands.prepare(&this->m_tmpSolverBodyPool[0], this->m_tmpSolverBodyPool.size(), m_touched, double(info.m_timeStep), m_store->step());
@@ -165,7 +192,11 @@ btScalar btVolumetricSolver<Base>::solveSingleIteration(int iteration, btCollisi
 	// Our change is part of the residual. Otherwise Bullet would end after the first iteration when it has no rows of its own.
 	btSolverBody* pool = &this->m_tmpSolverBodyPool[0];
 	double change = m_islands.iterate(pool, iteration);
-	if constexpr (kHasLinks) change = std::max(change, m_links.iterate(pool, this->m_data));
+	if constexpr (kHasLinks)
+	{
+		visitLoadedRows();
+		change = std::max(change, m_links.iterate(pool, this->m_data));
+	}
 	return std::max(residual, btScalar(change));
 }
 

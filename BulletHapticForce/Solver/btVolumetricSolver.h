@@ -54,6 +54,7 @@ private:
 	void addRigidContact(btISTContact& contact, btCollisionObject& a, btCollisionObject& b, double friction, btScalar step);
 	void addLinkContact(btISTContact& contact, btCollisionObject& a, btCollisionObject& b, double friction, btScalar step);
 	void collectTouchedBodies();
+	void visitLoadedRows();
 
 	std::shared_ptr<btISTContactStore> m_store;
 	btVolumetricIslands m_islands;

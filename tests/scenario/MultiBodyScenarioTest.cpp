@@ -236,6 +236,35 @@ TEST(MultiBody, MotorAndContactShareTheLoad)
 	scene.world.removeMultiBodyConstraint(&motor);
 }
 
+// A light link on a prismatic joint presses a block with the force of its motor, at Bullet's ten iterations and a slow target.
+TEST(MultiBody, MotorPressesWithItsForce)
+{
+	static const Solid finger(ist::makeBoxMesh({0.01, 0.02, 0.03}), 500), block(ist::makeBoxMesh({0.05, 0.05, 0.05}), 500);
+	for (const double rate : {60.0, 240.0})
+		for (const double force : {10.0, 40.0, 200.0})
+			for (const double k : {1e8, 1e7})
+			{
+				LinkScene scene;
+				scene.world.setGravity(btVector3(0, 0, 0));
+				scene.addRigid(scene.volumetricShape(block), 0, 0, at({2, 1, -3}));
+				btMultiBody* m = scene.addMultiBody(1, 0, 0, {2.061, 1, -3}, [](btMultiBody& body) {
+					const btVector3 inertia(btScalar(1e-4), btScalar(1e-4), btScalar(1e-4)), none(0, 0, 0);
+					body.setupPrismatic(0, btScalar(0.1), inertia, -1, btQuaternion(0, 0, 0, 1), btVector3(1, 0, 0), none, none, true);
+				});
+				btMultiBodyLinkCollider* link = scene.addCollider(m, 0, scene.volumetricShape(finger), k);
+				btMultiBodyJointMotor motor(m, 0, btScalar(-0.05), btScalar(force / rate));
+				scene.world.addMultiBodyConstraint(&motor);
+				motor.finalizeMultiDof();
+				scene.run(1, rate);
+				EXPECT_NEAR(rate * scene.impulseOn(link).x, force, 0.02 * force) << rate << " Hz, k " << k;
+				EXPECT_LT(std::fabs(double(m->getJointVel(0))), 1e-3);
+				motor.setVelocityTarget(btScalar(0.05));
+				scene.run(3 / rate + 1e-3, rate);
+				EXPECT_NEAR(double(m->getJointVel(0)), 0.05, 1e-3) << rate << " Hz, k " << k;
+				scene.world.removeMultiBodyConstraint(&motor);
+			}
+}
+
 namespace
 {
 /// Adds the linear momentum, and the angular momentum about the origin, of a multibody with isotropic inertias.
