@@ -262,19 +262,32 @@ double btIslandBlockSolver::heaviest() const
 	return largest;
 }
 
-/// Finds the joint rows at their limits while the friction is fixed. Returns false when the system could not be factorised.
+/// Finds the joint rows at their limits and refines their impulses, while the friction is fixed. Returns false when the system could not
+/// be factorised.
 bool btIslandBlockSolver::settleJoints()
 {
 	for (int k = 0; k < m_patchCount; ++k)
 		if (rubs(m_patches[size_t(k)])) prepareAsked(m_patches[size_t(k)]);
 	m_joints.beginSearch();
-	for (;;)
+	for (int refinements = 0;;)
 	{
 		prepareRest();
 		solveElastic();
-		if (!m_joints.changeActiveSet(m_free.data(), m_z.data())) return true;
-		if (!factorise()) return false;
+		if (m_joints.changeActiveSet(m_free.data(), m_z.data()))
+		{
+			if (!factorise()) return false;
+		}
+		else if (!m_joints.refine() || refinements++ == kMaxRefinements) return true;
 	}
+}
+
+/// Refines the impulses of joints once more for what friction has changed, a thousandth of which would remain.
+void btIslandBlockSolver::refineJoints()
+{
+	if (!m_joints.refine()) return;
+	prepareRest();
+	solveElastic();
+	(void)m_joints.isSettled(m_free.data(), m_z.data());
 }
 
 void btIslandBlockSolver::needInverse()
@@ -581,7 +594,7 @@ bool btIslandBlockSolver::solve(const ist::Twist* free)
 	m_productsBefore = m_products + m_factor.products();
 	const bool hasJoints = !m_joints.isEmpty();
 	m_rounds = 0;
-	for (int refinements = 0, searches = 0;;)
+	for (int searches = 0;;)
 	{
 		if (!m_frictionPrepared)
 		{
@@ -598,12 +611,10 @@ bool btIslandBlockSolver::solve(const ist::Twist* free)
 		else solveElastic();
 		const int mayReturn = m_rounds < kRoundsOfAll ? m_patchCount : m_rounds < kRoundsOfAll + kRoundsOfOne ? 1 : 0;
 		const bool settled = !hasJoints || m_joints.isSettled(m_free.data(), m_z.data()) || searches++ >= kMaxSearches;
-		if (!settled || changeActiveSet(mayReturn))
-		{
-			m_frictionPrepared = false;
-			++m_rounds;
-		}
-		else if (!hasJoints || !m_joints.refine() || refinements++ >= kMaxRefinements) return true;
+		if (settled && hasJoints) refineJoints();
+		if (settled && !changeActiveSet(mayReturn)) return true;
+		m_frictionPrepared = false;
+		++m_rounds;
 	}
 }
 

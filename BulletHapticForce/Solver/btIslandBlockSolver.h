@@ -104,6 +104,7 @@ private:
 	bool factorise();
 	double heaviest() const;
 	bool settleJoints();
+	void refineJoints();
 	void needInverse();
 	void prepareRest();
 	void beginState();

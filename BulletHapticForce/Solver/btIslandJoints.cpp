@@ -162,6 +162,8 @@ bool btIslandJoints::isSettled(const double* free, const double* z)
 
 bool btIslandJoints::refine()
 {
+	m_fewest = count() + 1;
+	m_patience = kPatience;
 	double change = 0, largest = 0;
 	for (Row& r : m_rows)
 	{

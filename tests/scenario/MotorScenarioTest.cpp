@@ -2,6 +2,8 @@
 #include "tests/scenario/VolumetricScene.h"
 #include "tests/unit/CountingAllocator.h"
 
+#include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
+
 using namespace scenario;
 using ist::Vec3;
 
@@ -102,6 +104,58 @@ TEST(Motors, SliderPressesWithItsForceAtTenIterations)
 					EXPECT_NEAR(scene.force(), force, 0.02 * force) << "k " << k << ", " << speed << " m/s, " << hz << " Hz";
 					EXPECT_LT(std::fabs(scene.speed()), 0.02 * speed);
 				}
+}
+
+namespace
+{
+/// The finger and the block in a game's own world, with a solver of the game's choice.
+template <class Stock> double forceUnder()
+{
+	btDefaultCollisionConfiguration configuration;
+	btCollisionDispatcher dispatcher(&configuration);
+	btDbvtBroadphase broadphase;
+	btISTRegistration registration = btISTCollisionAlgorithm::registerAlgorithm(&dispatcher, broadphase.getOverlappingPairCache());
+	auto materials = std::make_shared<btContactMaterialTable>();
+	registration.setPairRule(materials);
+	Stock stock;
+	btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &stock, &configuration);
+	world.setGravity(btVector3(0, 0, 0));
+	auto solver = installVolumetricSolver(world, registration);
+	EXPECT_TRUE(solver);
+	if (!solver) return 0;
+	btBoxShape blockShape(btVector3(btScalar(0.05), btScalar(0.05), btScalar(0.05)));
+	btBoxShape fingerShape(btVector3(btScalar(0.01), btScalar(0.02), btScalar(0.03)));
+	auto first = registration.registry().attach(&blockShape, blockSolid().tree);
+	auto second = registration.registry().attach(&fingerShape, fingerSolid().tree);
+	EXPECT_TRUE(first && second);
+	btRigidBody block(0, nullptr, &blockShape), finger(btScalar(kFinger), nullptr, &fingerShape, btVector3(1, 1, 1) * btScalar(1e-4));
+	block.setWorldTransform(at({1, 0, 2}));
+	finger.setWorldTransform(at({1.061, 0, 2}));
+	finger.setActivationState(DISABLE_DEACTIVATION);
+	EXPECT_FALSE(materials->set(&finger, {1e8, -1}));
+	world.addRigidBody(&block);
+	world.addRigidBody(&finger);
+	btSliderConstraint slider(finger, btTransform::getIdentity(), true);
+	slider.setLowerLinLimit(-10);
+	slider.setUpperLinLimit(10);
+	slider.setPoweredLinMotor(true);
+	slider.setTargetLinMotorVelocity(btScalar(-0.05));
+	slider.setMaxLinMotorForce(40);
+	world.addConstraint(&slider);
+	for (int i = 0; i < 60; ++i) world.stepSimulation(btScalar(1 / 60.0), 0);
+	double force = 0;
+	for (const btISTContact* c : registration.store().contacts()) force += 60 * c->normalImpulse;
+	world.removeConstraint(&slider);
+	world.removeRigidBody(&finger);
+	world.removeRigidBody(&block);
+	return force;
+}
+}  // namespace
+
+TEST(Motors, EachSolverOfBulletPressesWithTheForce)
+{
+	EXPECT_NEAR(forceUnder<btSequentialImpulseConstraintSolver>(), 40, 0.8);
+	EXPECT_NEAR(forceUnder<btNNCGConstraintSolver>(), 40, 0.8);
 }
 
 // The moment of the contact about the hinge balances the motor.
