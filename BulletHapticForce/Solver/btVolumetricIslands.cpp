@@ -468,8 +468,7 @@ double btVolumetricIslands::solve(Block& block, btSolverBody* bodies)
 	}
 	for (const btSolverConstraint* c : block.jointRows)
 		forEachSide(*c, bodies, [&](int side, int body) {
-			takeBack(body, double(btScalar(c->m_appliedImpulse)) * pushOf(*c, side),
-				toVec3(bodies[body].getWorldTransform().getOrigin()));
+			takeBack(body, double(btScalar(c->m_appliedImpulse)) * pushOf(*c, side), toVec3(bodies[body].getWorldTransform().getOrigin()));
 		});
 	if (!block.solver.solve(block.free.data())) ++m_statistics.blocksNotFactorised;
 	m_statistics.activeSetRounds += uint64_t(block.solver.rounds());

@@ -41,8 +41,8 @@ public:
 	/// Adds the rows of all joints, in Bullet's order. `prepare` takes those that it solves out of Bullet's iterations. Call it after the
 	/// last `add`. `rows` must live until `finish`.
 	void addJoints(btConstraintArray& rows, const btSolverBody* bodies);
-	/// Builds the islands; call it after the last `add`. `touched` are the bodies that Bullet's rows of contacts move. `h` is the step [s], and
-	/// `step` its number in the store.
+	/// Builds the islands; call it after the last `add`. `touched` are the bodies that Bullet's rows of contacts move. `h` is the step [s],
+	/// and `step` its number in the store.
 	void prepare(const btSolverBody* bodies, int bodyCount, const std::vector<int>& touched, double h, uint64_t step);
 	/// Visits every island once. Returns the largest squared change of a force impulse [N^2 s^2].
 	double iterate(btSolverBody* bodies, int iteration);

@@ -250,8 +250,7 @@ void btVolumetricLinks::appendTouched(std::vector<int>& touched) const
 }
 
 /// Relative twist at the patch by a unit impulse of the row, as far as it moves multibodies.
-ist::Twist btVolumetricLinks::responseTo(
-	const btMultiBodySolverConstraint& row, const Entry& e, const btMultiBodyJacobianData& data) const
+ist::Twist btVolumetricLinks::responseTo(const btMultiBodySolverConstraint& row, const Entry& e, const btMultiBodyJacobianData& data) const
 {
 	Six u = {};
 	const auto add = [&](const btMultiBody* moved, int unitResponse) {

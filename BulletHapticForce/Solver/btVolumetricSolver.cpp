@@ -125,7 +125,8 @@ template <class Base> void btVolumetricSolver<Base>::collectTouchedBodies()
 	}
 	m_links.appendTouched(m_touched);
 	if constexpr (kHasLinks)
-		for (const btMultiBodyConstraintArray* array : {&this->m_multiBodyNormalContactConstraints, &this->m_multiBodyNonContactConstraints})
+		for (const btMultiBodyConstraintArray* array :
+			{&this->m_multiBodyNormalContactConstraints, &this->m_multiBodyNonContactConstraints})
 			for (int i = 0; i < array->size(); ++i)
 			{
 				if (!(*array)[i].m_multiBodyA) m_touched.push_back((*array)[i].m_solverBodyIdA);
@@ -133,8 +134,8 @@ template <class Base> void btVolumetricSolver<Base>::collectTouchedBodies()
 			}
 }
 
-/// Visits the rows of multibodies that press on patches, each with its patch. If the patch does not push afterwards, the links are free, and
-/// the row is visited as if it were alone.
+/// Visits the rows of multibodies that press on patches, each with its patch. If the patch does not push afterwards, the links are free,
+/// and the row is visited as if it were alone.
 template <class Base> void btVolumetricSolver<Base>::visitLoadedRows()
 {
 	if constexpr (kHasLinks)

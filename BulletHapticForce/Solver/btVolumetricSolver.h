@@ -13,8 +13,9 @@
 #include <vector>
 
 /// One of Bullet's solvers, extended by volumetric contact. It takes over the manifolds that have patches in the contact store. It solves
-/// their patches as implicit blocks with friction inside Bullet's own iterations (btVolumetricIslands). It writes the impulses to the
-/// store and to the representative points of the manifolds. Everything else is solved by the base class, unchanged.
+/// their patches as implicit blocks with friction inside Bullet's own iterations (btVolumetricIslands), together with the joints and motors
+/// of the same bodies. It writes the impulses to the store and to the representative points of the manifolds. Everything else is solved by
+/// the base class, unchanged.
 ///
 /// A manifold stays with Bullet and its representative points in two cases. Either the contact was not evaluated in this step, because
 /// both bodies slept until now. Or a body is neither a rigid body nor, with the multibody solver, a link (btVolumetricLinks).
