@@ -11,6 +11,8 @@ namespace
 {
 using Matrix3 = Eigen::Matrix3d;
 constexpr double kFrictionRadiusPerRms = 0.93;
+// Times the sum of a patch's stiffnesses that it may have once what is negative is taken away.
+constexpr double kMostAdded = 2;
 constexpr double kPressedTime = 0.02;  // of the running mean of the normal force [s]
 // Most growth of k in a step by what presses, in e-folds: kGrowth (h / kTick)^2, at most one. A hand does not feel 1 % in its tick, and
 // the long steps of a game need it at once.
@@ -21,11 +23,14 @@ constexpr double kDepthOfStep = 2e-3;   // share of the thinner body that the wa
 constexpr double kDepthOfImpact = 0.1;  // share of it that stopping a body may take in all
 constexpr double kAreaOfImpact = 0.1;   // area on which it stops, at least, as a share of the smaller surface: it grows as it sinks in
 
+double traceOfForces(const ist::SymmetricMatrix6& K) { return K(0, 0) + K(1, 1) + K(2, 2); }
+
 /// Area that the pressure acts on [m^2]. Where a body surrounds the other, its area vectors would cancel.
 double pressedArea(const btISTContact& contact)
 {
-	const ist::SymmetricMatrix6 K = ist::pressureStiffness(contact.total, {1, contact.constants.weightA, contact.constants.weightB});
-	return std::max(K(0, 0) + K(1, 1) + K(2, 2), norm(contact.total.areaVector));
+	double area = 0;
+	for (int i = 0; i < contact.patchCount; ++i) area += norm(contact.patches[i].areaVector);
+	return std::max(area, traceOfForces(ist::pressureStiffness(contact.total, {1, contact.constants.weightA, contact.constants.weightB})));
 }
 
 double smallerSurface(const btISTContact& contact)
@@ -94,8 +99,6 @@ ist::SymmetricMatrix6 movedToWorld(const ist::SymmetricMatrix6& K, const Matrix3
 	return moved;
 }
 
-double traceOfForces(const ist::SymmetricMatrix6& K) { return K(0, 0) + K(1, 1) + K(2, 2); }
-
 /// Covariance of the overlap, Int r r^T dV / V about its centroid, in A's mesh axes [m^2].
 Matrix3 covariance(const ist::OverlapIntegrals& sums, const Eigen::Vector3d& c)
 {
@@ -152,7 +155,8 @@ bool evaluateContactPatch(const btISTContact& contact, int patchIndex, btContact
 	const double length = std::max(std::sqrt(radiusSquared), 1e-3 * std::cbrt(sums.volume));
 	const ist::SymmetricMatrix6 exact = movedToWorld(ist::pressureStiffness(sums, pair), R, c);
 	patch.stiffness = ist::projectedPositive(exact, length);
-	const double kept = traceOfForces(patch.stiffness), share = kept > 0 ? std::clamp(traceOfForces(exact) / kept, 0.0, 1.0) : 1;
+	const double kept = traceOfForces(patch.stiffness),
+				 share = kept > 0 ? std::clamp(kMostAdded * traceOfForces(exact) / kept, 0.0, 1.0) : 1;
 	for (double& s : patch.stiffness.m) s *= share;
 
 	patch.damping = ist::SymmetricMatrix6();
@@ -180,10 +184,12 @@ double carryLoad(btISTContact& contact, const btContactLoad& load, double h)
 		constants.rule = btISTStiffnessRule::Pressed;
 	};
 	const double pressed = norm(contact.pressed) / (area * constants.depth), former = contact.grown;
+	// Bodies that begin inside one another may use the energy of a soft contact only.
+	const bool isNew = !contact.tank.open && !(contact.ahead > 0);
 	double needed = std::max(constants.k, pressed);
 	if (former > 0) needed = std::min(needed, former * std::exp(std::min(kGrowth * (h / kTick) * (h / kTick), 1.0)));
 	raiseTo(std::max(needed, std::min(former, std::max(kSpare * needed, former * std::exp(-kDecay * h)))));
-	raiseTo(stiffnessOfStop(contact, load, area, h));
+	if (!isNew) raiseTo(stiffnessOfStop(contact, load, area, h));
 	fillEnergyTank(contact, former);
 	const double stiffest = kStiffestPerStep * restingMass(contact, load.mass) / (h * h * area);
 	if (constants.k > stiffest)

@@ -9,6 +9,8 @@ namespace
 /// Smallest pressure of a separating contact, as a share of its elastic pressure. In the closed form nothing separates faster than
 /// 1/dissipation, but in a finite step a body can.
 constexpr double kLeastPressure = 0.5;
+/// Share of the energy of the model that bodies placed inside one another may use, where no stiffness was set: enough to come apart.
+constexpr double kShareOfBegin = 0.1;
 
 double work(const ist::Wrench& impulse, const ist::Twist& twist)
 {
@@ -71,7 +73,8 @@ bool btContactEnergyTank::begin(btISTContact& contact, double speed, double h)
 	const double flown = 2 * speed * h;  // depth that a body may have reached in one step
 	tank.open = true;
 	// What does not touch yet has nothing to give.
-	tank.stored = depth > flown && !(contact.ahead > 0) ? 0.5 * most * (1 - flown / depth) : 0;
+	const double share = contact.constants.load > 0 ? kShareOfBegin : 1;
+	tank.stored = depth > flown && !(contact.ahead > 0) ? 0.5 * share * most * (1 - flown / depth) : 0;
 	return turned;
 }
 

@@ -15,6 +15,7 @@ using namespace btSolverBodyMotion;
 
 namespace
 {
+constexpr double kCentralWay = 0.25;  // share of the thinner body that is left of a step after the first touch
 /// Impulse on a body by a unit impulse of a joint's row, about the body's centre of mass. It is the derivative of the row's velocity, too.
 ist::Wrench pushOf(const btSolverConstraint& row, int side)
 {
@@ -261,7 +262,27 @@ void btVolumetricIslands::carryLoads(const btSolverBody* bodies)
 void btVolumetricIslands::waitForTouch(const btSolverBody* bodies)
 {
 	for (Entry& e : m_entries)
-		if (e.contact->ahead > 0) e.patch.wrench = e.patch.wrench + e.contact->ahead * (e.patch.stiffness * freeTwist(e, bodies));
+	{
+		const double ahead = e.contact->ahead;
+		if (!(ahead > 0)) continue;
+		const double left = (m_step - ahead) * -dot(freeTwist(e, bodies).linear, e.patch.normal);
+		if (left > kCentralWay * e.contact->thickness()) centre(e, bodies);
+		e.patch.wrench = e.patch.wrench + ahead * (e.patch.stiffness * freeTwist(e, bodies));
+	}
+}
+
+/// Lets a patch push on the centre of mass of the faster body. A body that is stopped at a corner would turn about it, and could go
+/// through the other in what is left of a long step.
+void btVolumetricIslands::centre(Entry& e, const btSolverBody* bodies)
+{
+	const ist::Twist a = twist(bodies[e.bodyA]), b = twist(bodies[e.bodyB]);
+	const btSolverBody& faster = bodies[squaredNorm(a.linear) < squaredNorm(b.linear) ? e.bodyB : e.bodyA];
+	const ist::Vec3 way = toVec3(faster.getWorldTransform().getOrigin()) - e.patch.point, &n = e.patch.normal;
+	e.patch.point = e.patch.point + way - dot(way, n) * n;
+	e.patch.wrench.torque = {};
+	for (ist::SymmetricMatrix6* matrix : {&e.patch.stiffness, &e.patch.damping})
+		for (int i = 0; i < 6; ++i)
+			for (int j = std::max(i, 3); j < 6; ++j) (*matrix)(i, j) = 0;
 }
 
 bool btVolumetricIslands::fitsBlock(const Island& island)

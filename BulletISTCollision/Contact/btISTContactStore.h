@@ -180,6 +180,9 @@ public:
 	/// A solver that can wait for the touch switches it on.
 	void predictTouch(bool on) { m_predictsTouch = on; }
 	bool predictsTouch() const { return m_predictsTouch; }
+	/// Times that a pair was so fast, or turned so fast, that its first touch may have been missed (btISTFirstTouch::kMostQueries).
+	uint64_t touchesMissed() const { return m_touchesMissed; }
+	void countMissedTouch() { ++m_touchesMissed; }
 
 	/// Time that the queries of respond-mode pairs took since the last `resetQueryTime` [s]. It is counted only when switched on, because
 	/// it costs two readings of the clock per pair. It is also counted in each pair's `cost`.
@@ -199,7 +202,7 @@ private:
 	std::unordered_map<const btPersistentManifold*, size_t> m_index;  // index in m_active
 	std::vector<btISTContact*> m_active, m_free;
 	std::vector<std::unique_ptr<btISTContact>> m_pool;
-	uint64_t m_step = 1;
+	uint64_t m_step = 1, m_touchesMissed = 0;
 	bool m_measures = false, m_sumsDamping = false, m_predictsTouch = false;
 	double m_querySeconds = 0;
 	btISTQueryCost m_cost;

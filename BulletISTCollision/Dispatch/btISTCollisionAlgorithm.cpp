@@ -169,7 +169,7 @@ void btISTCollisionAlgorithm::evaluate(
 		if (kept && m_context->store.predictsTouch() && contact.status == ist::QueryStatus::Ok)
 		{
 			const btISTFreeMotion a = btISTFreeMotion::of(contact.bodyA, step), b = btISTFreeMotion::of(contact.bodyB, step);
-			(void)btISTFirstTouch(query, a, b, step).find(contact, m_context->workspace);
+			if (!btISTFirstTouch(query, a, b, step).find(contact, m_context->workspace)) m_context->store.countMissedTouch();
 		}
 	}
 	contact.constants = m_context->rule->decide(contact, contact.bodyA, contact.bodyB);

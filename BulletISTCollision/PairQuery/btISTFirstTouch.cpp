@@ -15,7 +15,7 @@ namespace
 // Shares of the thickness of the thinner body.
 constexpr double kWorthLooking = 0.02;  // motion in a step from which on a touch is looked for
 constexpr double kStride = 0.5;         // largest motion between two queries
-constexpr double kShallow = 0.01;       // mean depth that counts as a touch
+constexpr double kShallow = 0.05;       // mean depth that counts as a touch; a body that lies askew then touches with a side
 constexpr int kMostHalvings = 10;
 
 ist::Pose poseOfB(const btISTContact& contact) { return contact.X_WA * contact.X_AB; }

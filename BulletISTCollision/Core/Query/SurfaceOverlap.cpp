@@ -163,13 +163,13 @@ struct OverlapPart
 {
 	FaceVolume form;
 	double volume = 0, columns = 0, columnsOfA = 0, depth = 0;  ///< columnsOfA: those on faces of A
-	double normalA = 0, normalB = 0;                            ///< sums of the sizes of the patches' normals [m^3]
+	Vec3 normalA, normalB;                                      ///< integrals of the normals [m^3]
 	DepthIntegral depths;
 	bool hasCones = false;
 
-	/// Share of `normals` that is no larger than the volume, as no integral of unit normals can be. Where a contact is shallower than the
-	/// errors of a depth field, its volume is more exact.
-	double within(double normals) const { return normals > volume ? volume / normals : 1; }
+	/// Share of an integral of normals that is no larger than the volume, as no integral of unit normals can be. Where a contact is
+	/// shallower than the errors of a depth field, its volume is more exact.
+	double within(const Vec3& normals) const { return norm(normals) > volume ? volume / norm(normals) : 1; }
 };
 }  // namespace
 
@@ -430,8 +430,8 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	for (size_t p = 0; p < size_t(patches); ++p)
 	{
 		OverlapPart& part = work.parts[work.partOf[p]];
-		part.normalA += norm(work.patches[p].normalA.force);
-		part.normalB += norm(work.patches[p].normalB.force);
+		part.normalA += work.patches[p].normalA.force;
+		part.normalB += work.patches[p].normalB.force;
 	}
 	for (size_t p = 0; p < size_t(patches); ++p)
 	{

@@ -87,7 +87,7 @@ TEST(Restitution, WithoutDissipationIsWhatTheStepForetells)
 			std::printf("  %.2f m deep, h omega %.2f: e %.4f, foretold %.4f\n", 1 / std::sqrt(k), hw, e, foretold);
 			EXPECT_GE(e, foretold - 0.001);
 			if (k > 1e2) continue;
-			EXPECT_NEAR(e, foretold, 0.001 + 0.25 * hw * hw);
+			EXPECT_NEAR(e, foretold, 0.001 + 0.5 * hw * hw);  // contact begins somewhere within a step
 		}
 }
 

@@ -30,8 +30,16 @@ void expectStands(const TowerOutcome& tower, double tolerance)
 
 TEST(HeavyCubeOnALightOne, StandsAtOneToTenThousand) { expectStands(heavyOnLight(Response::Volumetric, 1e4, false), 5e-4); }
 
-// The tolerance is 0.2 % of the edge. This is less than the gaps, where leaves bulge, and the cubes still creep a little after 5 s.
-TEST(HeavyCubeOnALightOne, StandsAtOneToTenThousandWithNothingSet) { expectStands(heavyOnLight(Response::Volumetric, 1e4, true), 2e-3); }
+// The edge is 1 m.
+TEST(HeavyCubeOnALightOne, StandsAtOneToTenThousandWithNothingSet)
+{
+	const TowerOutcome tower = heavyOnLight(Response::Volumetric, 1e4, true);
+	ASSERT_TRUE(tower.finite);
+	ASSERT_EQ(tower.sinkage.size(), 2u);
+	EXPECT_LT(tower.fellAfter, 0);
+	EXPECT_GT(tower.sinkage[1], 0);
+	EXPECT_LT(tower.sinkage[1], 1e-2);
+}
 
 TEST(HeavyCubeOnALightOne, DoesNotFallThroughAtOneToAMillion)
 {

@@ -58,6 +58,6 @@ TEST(Rocking, BoxThatWasPutDownTiltedComesToRestWithoutAMargin)
 			{
 				const double rocks = rocking(box, onBox, sinkage, h);
 				std::printf("  on a %s, step %.4f s, sinkage %.0e m: rocks by %.1e h^2 g\n", onBox ? "box" : "plane", h, sinkage, rocks);
-				EXPECT_LT(rocks, 1e-3) << onBox << " " << h << " " << sinkage;
+				EXPECT_LT(rocks, 2e-3) << onBox << " " << h << " " << sinkage;
 			}
 }

@@ -26,7 +26,8 @@ TEST_P(ContactStiffness, IsBoundedAndCarriesTheWeightAtEveryStep)
 		EXPECT_LE(rest.highest, 1e-3) << h;
 		EXPECT_LE(rest.energyGain, 1e-3) << h;
 		EXPECT_NEAR(rest.impulseRatio, 1, kDouble ? 1e-3 : 1e-2) << h;
-		EXPECT_NEAR(rest.modelRatio, 1, kDouble ? 1e-3 : 1e-2) << h;
+		// The elements of the tree are floats: a contact of 1 m is exact to about 1 um.
+		EXPECT_NEAR(rest.modelRatio, 1, (kDouble ? 1e-3 : 1e-2) + 1e-6 * k / kGravity) << h;
 		worst = std::max({worst, std::fabs(rest.impulseRatio - 1), std::fabs(rest.modelRatio - 1)});
 	}
 	std::printf("  %g N/m: worst imbalance %.1e\n", k, worst);

@@ -141,7 +141,7 @@ TEST(ContactSurface, AreasAddUpAndNormalsCancel)
 		{
 			SCOPED_TRACE(std::string(body.name) + " " + std::to_string(elements));
 			const ContactSurface surface = surfaceOf(body.mesh, elements);
-			EXPECT_LT(surface.elements.size(), size_t(elements) + 60);
+			EXPECT_LT(surface.elements.size(), std::max(size_t(elements), size_t(24)) * 3 / 2 + 60);  // more where a flat face has a hole
 			double area = 0;
 			Vec3 sum;
 			for (const SurfaceElement& e : surface.elements)

