@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace
 {
@@ -112,7 +111,7 @@ Matrix3 covariance(const ist::OverlapIntegrals& sums, const Eigen::Vector3d& c)
 double stiffnessOfStop(const btISTContact& contact, const btContactLoad& load, double area, double h)
 {
 	const double thickness = contact.thickness(), inStep = std::max(kSpare * contact.constants.depth, kDepthOfStep * thickness),
-				 inAll = kDepthOfImpact * thickness, v = load.approach;
+				 inAll = kDepthOfImpact * thickness, v = load.approach();
 	const double stops = load.mass * v * v / (std::max(area, kAreaOfImpact * smallerSurface(contact)) * inAll * inAll);
 	return v * h > inStep ? std::max(stops, load.mass * v / (h * area * inStep)) : stops;
 }
@@ -165,6 +164,13 @@ bool evaluateContactPatch(const btISTContact& contact, int patchIndex, btContact
 	for (double& d : damping.m) d *= contact.constants.dissipation;
 	patch.damping = ist::projectedPositive(damping, length);
 	return true;
+}
+
+void btContactLoad::addApproach(const btISTContact& contact, int patchIndex, double speed)
+{
+	const double area = norm(contact.patches[patchIndex].areaVector);
+	m_areaTimesSpeed += area * std::max(0.0, speed);
+	m_area += area;
 }
 
 double carryLoad(btISTContact& contact, const btContactLoad& load, double h)

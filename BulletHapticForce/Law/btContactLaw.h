@@ -38,16 +38,24 @@ constexpr double kStiffestPerStep = 2e3;
 /// What a contact has to carry.
 struct btContactLoad
 {
-	double weight = 0;    ///< of all bodies that are connected with the two through contacts [N]
-	double mass = 0;      ///< of the lighter body that can move [kg]
-	double approach = 0;  ///< speed at which the bodies approach along the normals of the patches, if nothing holds them; mean over their
-						  ///< areas [m/s]
+	double weight = 0;  ///< of all bodies that are connected with the two through contacts [N]
+	double mass = 0;    ///< of the lighter body that can move [kg]
+
+	/// Adds one patch of the contact. `speed` is that at which the bodies approach along its normal if nothing holds them [m/s].
+	void addApproach(const btISTContact& contact, int patchIndex, double speed);
+	/// Mean of these speeds over the areas of the patches [m/s].
+	double approach() const { return m_area > 0 ? m_areaTimesSpeed / m_area : m_areaTimesSpeed; }
+
+private:
+	double m_area = 0, m_areaTimesSpeed = 0;
 };
 
 /// Decides the stiffness k of a pair whose stiffness follows from a load, once per step, before its patches are solved:
-/// - k is at least what carries `load.weight`, and what has lately pressed (btISTContact::pressed), at the depth of the pair's rule. XX
-/// - k stops an approach v within a tenth of the thinner body's thickness, k >= m v^2 / (A d^2), and, where the way of a step is
-///   longer than 2 % of that thickness, in this step: k >= m v / (h A d).
+/// - k is at least what carries `load.weight` at the depth of the pair's rule, and what has lately pressed (btISTContact::pressed). By
+///   what presses, k grows by at most 1 % in a step of 1 ms, 19 % in 1/240 s, and 172 % in 10 ms or longer.
+/// - k stops an approach v within the depth d, a tenth of the thinner body's thickness: k >= m v^2 / (A d^2).
+/// - k stops it within this step, where the way v h is longer than d = max(4 times the rule's depth, 0.2 % of that thickness): k >=
+///   m v / (h A d).
 /// - Energy that the growth of a loaded contact stores comes from what its damping has taken, or the growth waits.
 /// - k is at most what a step of `h` [s] can bear: h^2 k A / m <= kStiffestPerStep. A is the present area. m is the lighter mass, or half
 ///   of the mass whose weight has lately pressed.

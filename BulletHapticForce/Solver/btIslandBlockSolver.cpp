@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/Solver/btIslandBlockSolver.h"
 
-#include "BulletHapticForce/Solver/btFrictionWithinLimit.h"
+#include "BulletHapticForce/Solver/btIslandBlockMatrices.h"
+#include "BulletHapticForce/Solver/btToEigen.h"
 #include "BulletISTCollision/Core/Base/SymmetricEigen.h"
 
-#include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
@@ -12,59 +12,16 @@
 #include <cmath>
 #include <limits>
 
+using namespace btIslandBlockMatrices;
+using namespace btToEigen;
+
 namespace
 {
-using Vec6 = Eigen::Matrix<double, 6, 1>;
-using Mat3 = Eigen::Matrix3d;
-using Mat6 = Eigen::Matrix<double, 6, 6, Eigen::RowMajor>;
-using Axes = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;  // one axis per row
-using Mat63 = Eigen::Matrix<double, 6, 3>;
-using Mat46 = Eigen::Matrix<double, 4, 6>;
-using Vector = Eigen::VectorXd;
-template <class M> using Map = Eigen::Map<M>;
-
 // In the first rounds all patches that would push return to the active set. In the next rounds one patch returns at a time, which seldom
 // cycles. After that none returns, so that the search ends.
 constexpr int kRoundsOfAll = 2, kRoundsOfOne = 12;
-constexpr int kMaxSweeps = 400;
-// Where many patches share one load, sticking and sliding may alternate without end, at 1e-5 of the load. The search ends when kPatience
-// sweeps have not reduced the change to the share kProgress. The next step begins with the remaining error.
-constexpr int kPatience = 24;
-constexpr double kProgress = 0.5;
-// Friction has converged when no impulse changes by more than this share of the largest normal impulse, about a rounding of single
-// precision. A sticking body then creeps by at most this share of g h, because the next step begins where this one ends.
-constexpr double kFrictionTolerance = 1e-7;
-// If the sweeps end early, friction beyond its limit is cut down. This changes the normal impulses, which are then computed again. Later
-// cuts go further below the limit, and after this number to zero. The cuts end, because a patch without friction is not cut again.
-constexpr int kCutsToNothing = 50;
-constexpr double kImmovable = 1e-12;
 constexpr int kMaxRefinements = 3;  // of the impulses of joints
 constexpr int kMaxSearches = 8;     // of the rows of joints at their limits, after friction has changed them
-
-Eigen::Vector3d toEigen(const ist::Vec3& v) { return {v.x, v.y, v.z}; }
-
-Mat3 crossMatrix(const ist::Vec3& v)
-{
-	Mat3 r;
-	r << 0, -v.z, v.y, v.z, 0, -v.x, -v.y, v.x, 0;
-	return r;
-}
-
-Vec6 toEigen(const ist::Vec3& a, const ist::Vec3& b)
-{
-	Vec6 r;
-	r << a.x, a.y, a.z, b.x, b.y, b.z;
-	return r;
-}
-
-Mat6 toEigen(const ist::SymmetricMatrix6& a)
-{
-	Mat6 r;
-	const double* next = a.m;
-	for (int i = 0; i < 6; ++i)
-		for (int j = i; j < 6; ++j) r(i, j) = r(j, i) = *next++;
-	return r;
-}
 
 Mat6 rootOfInverseMass(const btVolumetricRowBody& body)
 {
@@ -137,7 +94,7 @@ int btIslandBlockSolver::addPatch(const btContactPatch& patch, int bodyA, int bo
 		// The off-diagonal quarters of `root` are zero.
 		Map<Mat6> J(p.jacobian[side]);
 		J = (side == 0 ? 1.0 : -1.0) * Map<const Mat6>(body.root);
-		J.topRightCorner<3, 3>().noalias() -= crossMatrix(patch.point - body.center) * J.bottomRightCorner<3, 3>();
+		J.topRightCorner<3, 3>().noalias() -= crossMatrix(toEigen(patch.point - body.center)) * J.bottomRightCorner<3, 3>();
 	}
 	ist::Vec3 t1, t2;
 	ist::completeFrame(patch.normal, t1, t2);
@@ -154,19 +111,6 @@ int btIslandBlockSolver::addJointRow(const btIslandJointRow& row)
 	const auto rootOf = [this](int body) { return body < 0 ? nullptr : m_bodies[size_t(body)].root; };
 	m_joints.add(row, {rootOf(row.body[0]), rootOf(row.body[1])});
 	return m_joints.count() - 1;
-}
-
-void btIslandBlockSolver::startFriction(int patch, const ist::Wrench& impulse)
-{
-	const Patch& p = m_patches[size_t(patch)];
-	if (!(p.friction > 0)) return;
-	const Map<const Mat63> E(p.E);
-	const Vec6 whole = toEigen(impulse.force, impulse.torque);
-	for (int i = 0; i < 3; ++i)
-	{
-		const double square = E.col(i).squaredNorm();
-		tangent(patch)[i] = square > 0 ? E.col(i).dot(whole) / square : 0;
-	}
 }
 
 // The order is breadth first from the body with the fewest neighbours, and then reversed. Neighbours stay close together, and a body with
@@ -364,158 +308,6 @@ void btIslandBlockSolver::solveElastic()
 {
 	beginState();
 	for (int place = m_bodyCount - 1; place >= 0; --place) m_factor.substituteBack(m_z.data(), place);
-}
-
-/// Computes the derivative of the slip and of the elastic normal impulse by the state, for each body of the patch.
-void btIslandBlockSolver::prepareAsked(Patch& p) const
-{
-	Mat46 ofTwist;
-	ofTwist << Map<const Mat63>(p.E).transpose(), -toEigen(p.normal).transpose() * Map<const Mat6>(p.S).topRows<3>();
-	for (int side = 0; side < 2; ++side)
-		if (p.body[side] >= 0) Map<Mat46>(p.asked[side]) = ofTwist * Map<const Mat6>(p.jacobian[side]);
-}
-
-void btIslandBlockSolver::prepareFriction()
-{
-	m_response.clear();
-	m_hasFriction = false;
-	for (int k = 0; k < m_patchCount; ++k)
-	{
-		Patch& p = m_patches[size_t(k)];
-		if (!rubs(p)) continue;
-		m_hasFriction = true;
-		needInverse();
-		prepareAsked(p);
-		double slip[9], yielding[3][3];
-		prepareResponse(p, slip);
-		const Map<const Axes> G(slip);
-		Map<Axes> symmetric(yielding[0]);
-		symmetric = 0.5 * (G + G.transpose());
-		ist::SymmetricEigen<3> eigen;
-		if (!eigen.decompose(yielding)) eigen = {};  // not finite: no friction
-		Map<Axes>(p.axes) = Map<const Axes>(eigen.vectors[0]);
-		const Map<const Eigen::Vector3d> values(eigen.values);
-		Map<Eigen::Vector3d>(p.yielding) = (values.array() > kImmovable * values.maxCoeff()).select(values, 0.0);
-	}
-	m_frictionPrepared = true;
-}
-
-/// Stores the response of the clique of the patch to its friction. `slip` is the response of its own slip.
-void btIslandBlockSolver::prepareResponse(Patch& p, double (&slip)[9])
-{
-	p.response = m_response.size();
-	const int first = firstPlace(p), count = first < m_bodyCount ? 1 + int(m_factor.cliqueEnd(first) - m_factor.cliqueBegin(first)) : 0;
-	m_response.resize(m_response.size() + 18 * size_t(count));
-	Map<Axes> G(slip);
-	G.setZero();
-	for (int i = 0; i < count; ++i)
-	{
-		const int place = i == 0 ? first : m_factor.cliqueBegin(first)[i - 1];
-		Map<Mat63> answer(&m_response[p.response + 18 * size_t(i)]);
-		answer.setZero();
-		for (int side = 0; side < 2; ++side)
-		{
-			if (p.body[side] < 0) continue;
-			const auto push = Map<const Mat46>(p.asked[side]).topRows<3>().transpose();
-			const int from = placeOf(p, side);
-			if (place >= from) answer += Map<const Mat6>(m_factor.inverseBlock(place, from)) * push;
-			else answer += Map<const Mat6>(m_factor.inverseBlock(from, place)).transpose() * push;
-			++m_products;
-		}
-		for (int side = 0; side < 2; ++side)
-			if (p.body[side] >= 0 && placeOf(p, side) == place) G += Map<const Mat46>(p.asked[side]).topRows<3>() * answer;
-	}
-}
-
-/// Visits one patch while the others are fixed, and updates the state of its clique. Returns the size of the change of its friction;
-/// `normal` is its present normal impulse.
-double btIslandBlockSolver::visitFriction(int patch, int place, double& normal)
-{
-	Patch& p = m_patches[size_t(patch)];
-	Eigen::Vector4d asked = Map<const Eigen::Vector4d>(p.askedAtRest);
-	for (int side = 0; side < 2; ++side)
-		if (p.body[side] >= 0) asked += Map<const Mat46>(p.asked[side]) * Map<const Vec6>(&m_z[6 * size_t(placeOf(p, side))]);
-	normal = std::max(asked(3), 0.0);
-	Map<Eigen::Vector3d> now(tangent(patch));
-	const Map<const Axes> axes(p.axes);
-	const Eigen::Vector3d wanted = axes.transpose() *
-		btFrictionWithinLimit(p.friction * normal, axes * now, axes * asked.head<3>(), p.yielding, p.excess);
-	const Eigen::Vector3d change = wanted - now;
-	now = wanted;
-	if (change.isZero(0)) return 0;
-	const double* response = &m_response[p.response];
-	const auto move = [&](int member) {
-		Map<Vec6>(&m_z[6 * size_t(member)]) += Map<const Mat63>(response) * change;
-		response += 18;
-	};
-	move(place);
-	for (const int* later = m_factor.cliqueBegin(place); later != m_factor.cliqueEnd(place); ++later) move(*later);
-	m_products += uint64_t(m_factor.cliqueEnd(place) - m_factor.cliqueBegin(place)) + 1;
-	return change.norm();
-}
-
-/// Makes one sweep, which is one substitution. During the back substitution, the patches of a body are visited as soon as its state is
-/// known. The change that their friction makes in the clique is all that the earlier bodies need. The later bodies receive it in the next
-/// sweep.
-double btIslandBlockSolver::sweep(double& largestNormal)
-{
-	beginState();
-	double largest = 0;
-	for (int place = m_bodyCount - 1; place >= 0; --place)
-	{
-		m_factor.substituteBack(m_z.data(), place);
-		for (const int* k = m_byPlace.begin(place); k != m_byPlace.end(place); ++k)
-		{
-			if (!rubs(m_patches[size_t(*k)])) continue;
-			double normal = 0;
-			largest = std::max(largest, visitFriction(*k, place, normal));
-			largestNormal = std::max(largestNormal, normal);
-		}
-	}
-	return largest;
-}
-
-void btIslandBlockSolver::iterateFriction()
-{
-	double largestNormal = 0, before = 0;
-	m_acceleration.begin(m_tangents.data(), 3 * size_t(m_patchCount));
-	for (m_sweeps = 0; m_sweeps < kMaxSweeps; ++m_sweeps)
-	{
-		m_remainingChange = sweep(largestNormal);
-		m_frictionNotConverged = m_remainingChange > kFrictionTolerance * largestNormal;
-		if (!m_frictionNotConverged || m_sweeps == kMaxSweeps - 1) break;
-		if (m_sweeps % kPatience == kPatience - 1)
-		{
-			if (m_sweeps >= kPatience && m_remainingChange > kProgress * before) break;
-			before = m_remainingChange;
-		}
-		m_acceleration.advance(m_tangents.data());
-	}
-	solveElastic();
-	if (!m_frictionNotConverged) return;
-	for (int i = 0; cutFriction(kFrictionTolerance * largestNormal, std::max(1 - double(i) / kCutsToNothing, 0.0)); ++i) solveElastic();
-}
-
-/// Cuts friction that exceeds its limit by more than `tolerance` [N s] to `share` of the limit. The limit is that of the normal impulse
-/// in this state. Returns true when it has cut any.
-bool btIslandBlockSolver::cutFriction(double tolerance, double share)
-{
-	bool cut = false;
-	for (int k = 0; k < m_patchCount; ++k)
-	{
-		const Patch& p = m_patches[size_t(k)];
-		if (!p.active) continue;
-		Vec6 u;
-		relativeTwist(p, u.data());
-		const Vec6 elastic = Map<const Vec6>(p.push) - Map<const Mat6>(p.S) * u;
-		const double limit = p.friction * std::max(elastic.head<3>().dot(toEigen(p.normal)), 0.0);
-		Map<Eigen::Vector3d> friction(tangent(k));
-		const double length = friction.norm();
-		if (!(length > limit + tolerance)) continue;
-		friction *= share * limit / length;
-		cut = true;
-	}
-	return cut;
 }
 
 /// True when the impulse of an idle patch would push if the patch were active. A test of the force in this state alone would bring back

@@ -16,30 +16,6 @@ using namespace btSolverBodyMotion;
 namespace
 {
 constexpr double kCentralWay = 0.25;  // share of the thinner body that is left of a step after the first touch
-/// Impulse on a body by a unit impulse of a joint's row, about the body's centre of mass. It is the derivative of the row's velocity, too.
-ist::Wrench pushOf(const btSolverConstraint& row, int side)
-{
-	return side == 0 ? ist::Wrench{toVec3(row.m_contactNormal1), toVec3(row.m_relpos1CrossNormal)}
-					 : ist::Wrench{toVec3(row.m_contactNormal2), toVec3(row.m_relpos2CrossNormal)};
-}
-
-/// Change of the body's twist by all impulses so far.
-ist::Twist changeOf(const btSolverBody& body) { return {toVec3(body.getDeltaLinearVelocity()), toVec3(body.getDeltaAngularVelocity())}; }
-
-bool isFinite(const btSolverConstraint& row)
-{
-	for (int side = 0; side < 2; ++side)
-		if (!ist::isFinite(pushOf(row, side).force) || !ist::isFinite(pushOf(row, side).torque)) return false;
-	return std::isfinite(row.m_rhs) && std::isfinite(row.m_cfm) && std::isfinite(row.m_jacDiagABInv) &&
-		row.m_lowerLimit <= row.m_upperLimit;
-}
-
-/// Calls `act(side, body)` for the bodies of a row that can move.
-template <class Act> void forEachSide(const btSolverConstraint& row, const btSolverBody* bodies, const Act& act)
-{
-	if (canMove(bodies[row.m_solverBodyIdA])) act(0, row.m_solverBodyIdA);
-	if (canMove(bodies[row.m_solverBodyIdB])) act(1, row.m_solverBodyIdB);
-}
 }  // namespace
 
 void btVolumetricIslands::reserve(size_t contacts)
@@ -100,69 +76,10 @@ void btVolumetricIslands::add(btISTContact& contact, int bodyA, int bodyB, doubl
 	}
 }
 
-void btVolumetricIslands::addJoints(btConstraintArray& rows, const btSolverBody* bodies)
-{
-	for (int i = 0; i < rows.size();)
-	{
-		Joint joint;
-		joint.rows = &rows[i];
-		joint.bodyA = rows[i].m_solverBodyIdA;
-		joint.bodyB = rows[i].m_solverBodyIdB;
-		joint.finite = isFinite(bodies[joint.bodyA]) && isFinite(bodies[joint.bodyB]);
-		for (; i < rows.size() && rows[i].m_originalContactPoint == joint.rows->m_originalContactPoint; ++i, ++joint.count)
-			joint.finite = joint.finite && ::isFinite(rows[i]);
-		m_joints.push_back(joint);
-	}
-}
-
 int btVolumetricIslands::rootOf(int body)
 {
 	while (m_parent[size_t(body)] != body) body = m_parent[size_t(body)] = m_parent[size_t(m_parent[size_t(body)])];
 	return body;
-}
-
-int btVolumetricIslands::movableBody(const Joint& joint, const btSolverBody* bodies)
-{
-	return canMove(bodies[joint.bodyA]) ? joint.bodyA : joint.bodyB;
-}
-
-/// Joins the islands that a joint connects, where the sum is not too large.
-void btVolumetricIslands::joinByJoints(const btSolverBody* bodies)
-{
-	m_sizes.assign(m_parent.size(), Size());
-	for (int body = 0; body < int(m_parent.size()); ++body) m_sizes[size_t(rootOf(body))].bodies += canMove(bodies[body]);
-	for (const Entry& e : m_entries) ++m_sizes[size_t(rootOf(canMove(bodies[e.bodyA]) ? e.bodyA : e.bodyB))].patches;
-	for (const Joint& joint : m_joints)
-	{
-		if (!joint.finite || !canMove(bodies[joint.bodyA]) || !canMove(bodies[joint.bodyB])) continue;
-		const int a = rootOf(joint.bodyA), b = rootOf(joint.bodyB);
-		const Size both = {m_sizes[size_t(a)].bodies + m_sizes[size_t(b)].bodies, m_sizes[size_t(a)].patches + m_sizes[size_t(b)].patches};
-		if (a == b || both.bodies > kMaxBlockBodies || both.patches > kMaxBlockPatches) continue;
-		m_parent[size_t(a)] = b;
-		m_sizes[size_t(b)] = both;
-	}
-}
-
-/// Gives each joint to its island, and takes its rows out of Bullet's iterations. Other joints touch the islands of their bodies.
-void btVolumetricIslands::takeJoints(const btSolverBody* bodies)
-{
-	const auto islandOf = [&](int body) { return canMove(bodies[body]) ? m_islandOfRoot[size_t(rootOf(body))] : -1; };
-	for (int i = int(m_joints.size()) - 1; i >= 0; --i)
-	{
-		Joint& joint = m_joints[size_t(i)];
-		const int a = islandOf(joint.bodyA), b = islandOf(joint.bodyB), island = islandOf(movableBody(joint, bodies));
-		const bool within = (a == island || !canMove(bodies[joint.bodyA])) && (b == island || !canMove(bodies[joint.bodyB]));
-		if (island >= 0 && within && joint.finite && fitsBlock(m_islands[size_t(island)]))
-		{
-			joint.next = m_islands[size_t(island)].firstJoint;
-			m_islands[size_t(island)].firstJoint = i;
-			// Bullet visits a row in its first iterations, up to this number.
-			for (int row = 0; row < joint.count; ++row) joint.rows[row].m_overrideNumSolverIterations = 0;
-			continue;
-		}
-		for (const int touched : {a, b})
-			if (touched >= 0) m_islands[size_t(touched)].touched = true;
-	}
 }
 
 void btVolumetricIslands::findIslands(const btSolverBody* bodies, const std::vector<int>& touched)
@@ -241,16 +158,12 @@ void btVolumetricIslands::carryLoads(const btSolverBody* bodies)
 			load.mass = std::numeric_limits<double>::infinity();
 			for (const int body : {first.bodyA, first.bodyB})
 				if (const double mass = massOf(bodies[body]); mass > 0) load.mass = std::min(load.mass, mass);
-			double area = 0;
 			int end = i;
 			for (; end >= 0 && m_entries[size_t(end)].contact == &contact; end = m_entries[size_t(end)].next)
 			{
 				const Entry& e = m_entries[size_t(end)];
-				const double own = norm(contact.patches[e.patchIndex].areaVector);
-				load.approach += own * std::max(0.0, -dot(freeTwist(e, bodies).linear, e.patch.normal));
-				area += own;
+				load.addApproach(contact, e.patchIndex, -dot(freeTwist(e, bodies).linear, e.patch.normal));
 			}
-			if (area > 0) load.approach /= area;
 			const double factor = carryLoad(contact, load, m_step);
 			for (; i != end; i = m_entries[size_t(i)].next)
 				if (factor != 1) multiply(m_entries[size_t(i)].patch, factor);
@@ -395,60 +308,6 @@ void btVolumetricIslands::fill(Block& block, const Island& island, const btSolve
 	block.joints.resize(block.bodies.size());
 }
 
-// Bullet's row is (L cfm + J dv D) = rhs, with the change of velocity dv in this step and D = 1 / (J M^-1 J^T).
-void btVolumetricIslands::addJointRows(Block& block, const Joint& joint, const btSolverBody* bodies)
-{
-	for (int i = 0; i < joint.count; ++i)
-	{
-		btSolverConstraint& c = joint.rows[i];
-		const double perImpulse = double(c.m_jacDiagABInv);
-		if (!(perImpulse > 0)) continue;
-		btIslandJointRow row;
-		row.wanted = double(c.m_rhs) / perImpulse;
-		row.compliance = std::max(double(c.m_cfm) / perImpulse, 0.0);
-		row.lower = double(c.m_lowerLimit);
-		row.upper = double(c.m_upperLimit);
-		for (int side = 0; side < 2; ++side)
-		{
-			const int body = side == 0 ? joint.bodyA : joint.bodyB;
-			if (!canMove(bodies[body])) continue;
-			const ist::Wrench push = pushOf(c, side);
-			const ist::Twist before = difference(twist(bodies[body]), changeOf(bodies[body]));
-			row.body[side] = m_indexInBlock[size_t(body)];
-			const double J[6] = {push.force.x, push.force.y, push.force.z, push.torque.x, push.torque.y, push.torque.z};
-			std::copy(std::begin(J), std::end(J), row.jacobian[side]);
-			row.wanted += dot(push.force, before.linear) + dot(push.torque, before.angular);
-		}
-		block.solver.addJointRow(row);
-		block.jointRows.push_back(&c);
-	}
-}
-
-/// Writes the impulses of the joints into Bullet's rows, and their changes into the bodies.
-double btVolumetricIslands::applyJoints(Block& block, btSolverBody* bodies)
-{
-	double residual = 0;
-	std::fill(block.joints.begin(), block.joints.end(), ist::Wrench());
-	for (size_t i = 0; i < block.jointRows.size(); ++i)
-	{
-		btSolverConstraint& c = *block.jointRows[i];
-		const btScalar impulse = btScalar(block.solver.jointImpulse(int(i)));
-		const double change = double(impulse) - double(btScalar(c.m_appliedImpulse));
-		c.m_appliedImpulse = impulse;
-		forEachSide(c, bodies, [&](int side, int body) {
-			ist::Wrench& sum = block.joints[size_t(m_indexInBlock[size_t(body)])];
-			sum = sum + change * pushOf(c, side);
-		});
-		residual = std::max(residual, change * change);
-	}
-	for (size_t b = 0; b < block.bodies.size(); ++b)
-	{
-		btSolverBody& body = bodies[block.bodies[b]];
-		applyImpulse(body, block.joints[b], toVec3(body.getWorldTransform().getOrigin()));
-	}
-	return residual;
-}
-
 void btVolumetricIslands::makeRows(const Island& island, const btSolverBody* bodies)
 {
 	for (int i = island.first; i >= 0; i = m_entries[size_t(i)].next)
@@ -487,10 +346,7 @@ double btVolumetricIslands::solve(Block& block, btSolverBody* bodies)
 		takeBack(e.bodyA, e.impulse, e.patch.point);
 		takeBack(e.bodyB, -1.0 * e.impulse, e.patch.point);
 	}
-	for (const btSolverConstraint* c : block.jointRows)
-		forEachSide(*c, bodies, [&](int side, int body) {
-			takeBack(body, double(btScalar(c->m_appliedImpulse)) * pushOf(*c, side), toVec3(bodies[body].getWorldTransform().getOrigin()));
-		});
+	takeBackJoints(block, bodies);
 	if (!block.solver.solve(block.free.data())) ++m_statistics.blocksNotFactorised;
 	m_statistics.activeSetRounds += uint64_t(block.solver.rounds());
 	m_statistics.frictionNotConverged += block.solver.frictionNotConverged();

@@ -110,6 +110,7 @@ private:
 	void joinByJoints(const btSolverBody* bodies);
 	void takeJoints(const btSolverBody* bodies);
 	void addJointRows(Block& block, const Joint& joint, const btSolverBody* bodies);
+	void takeBackJoints(Block& block, const btSolverBody* bodies) const;
 	double applyJoints(Block& block, btSolverBody* bodies);
 	void findIslands(const btSolverBody* bodies, const std::vector<int>& touched);
 	void weigh(const btSolverBody* bodies);

@@ -223,15 +223,11 @@ void btVolumetricLinks::add(btISTContact& contact, const Side& a, const Side& b,
 	}
 	btContactLoad load;
 	load.mass = lightest;
-	double area = 0;
 	for (size_t i = first; i < m_entries.size(); ++i)
 	{
 		const Entry& e = m_entries[i];
-		const double own = norm(contact.patches[e.patchIndex].areaVector);
-		load.approach += own * std::max(0.0, -dot(relative(e, bodies, state(e, bodies, data)).linear, e.patch.normal));
-		area += own;
+		load.addApproach(contact, e.patchIndex, -dot(relative(e, bodies, state(e, bodies, data)).linear, e.patch.normal));
 	}
-	if (area > 0) load.approach /= area;
 	const double factor = carryLoad(contact, load, h);
 	for (size_t i = first; i < m_entries.size(); ++i)
 	{

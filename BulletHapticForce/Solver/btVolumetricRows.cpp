@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/Solver/btVolumetricRows.h"
 
+#include "BulletHapticForce/Solver/btToEigen.h"
 #include "BulletISTCollision/Core/Base/SymmetricEigen.h"
-
-#include <Eigen/Core>
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+using namespace btToEigen;
 
 namespace
 {
@@ -20,17 +21,6 @@ using Eigen::Vector3d;
 
 // An eigenvalue below this share of the largest one belongs to a direction in which nothing can move.
 constexpr double kImmovable = 1e-12;
-
-Vector3d toEigen(const ist::Vec3& v) { return {v.x, v.y, v.z}; }
-
-Mat6 toEigen(const ist::SymmetricMatrix6& a)
-{
-	Mat6 r;
-	const double* next = a.m;
-	for (int i = 0; i < 6; ++i)
-		for (int j = i; j < 6; ++j) r(i, j) = r(j, i) = *next++;
-	return r;
-}
 
 bool canMove(const btVolumetricRowBody& body)
 {
@@ -45,11 +35,7 @@ void addResponse(Mat6& W, const btVolumetricRowBody& body, const ist::Vec3& poin
 {
 	if (!canMove(body)) return;
 	const Vector3d r = toEigen(point - body.center);
-	Matrix3d X;
-	X << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
-	Matrix3d inertia;
-	for (int i = 0; i < 3; ++i)
-		for (int j = 0; j < 3; ++j) inertia(i, j) = body.inverseInertia.m[i][j];
+	const Matrix3d X = crossMatrix(r), inertia = toEigen(body.inverseInertia);
 	const Matrix3d turning = X * inertia;
 	W.topLeftCorner<3, 3>() += turning * X.transpose();
 	W.topLeftCorner<3, 3>().diagonal() += toEigen(body.inverseMass);

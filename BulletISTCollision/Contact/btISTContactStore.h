@@ -128,7 +128,7 @@ struct btISTContact
 	/// Impulse on A per patch, written by the solver. World axes, moment about the patch's centroid [N s, N m s].
 	ist::Wrench impulses[kMaxPatches];
 	double normalImpulse = 0;  ///< sum of their normal components [N s]
-	ist::Vec3 pressed;         ///< mean of the normal force on A over about the last ten steps, World axes [N]; written by the solver
+	ist::Vec3 pressed;         ///< mean of the normal force on A over about the last 20 ms, World axes [N]; written by the solver
 	double grown = 0;          ///< stiffness in the last step of a pair whose stiffness follows from a load [Pa/m]; written by the solver
 	btISTContactWork work;     ///< written by the solver
 

@@ -173,12 +173,15 @@ void btISTCollisionAlgorithm::evaluate(
 		}
 	}
 	contact.constants = m_context->rule->decide(contact, contact.bodyA, contact.bodyB);
-	if (query.lacksDamping(contact) && contact.ahead > 0) query.queryAt(contact, m_context->workspace);
-	else if (query.lacksDamping(contact))  // the sums used the constants of the last step
+	if (query.lacksDamping(contact))  // the sums used the constants of the last step
 	{
-		contact.kept.forget();
-		contact.accuracy = before;
-		update(query, contact);
+		if (contact.ahead > 0) query.queryAt(contact, m_context->workspace);
+		else
+		{
+			contact.kept.forget();
+			contact.accuracy = before;
+			update(query, contact);
+		}
 	}
 	contact.error = ist::OverlapError();
 	contact.depth = 0;

@@ -20,7 +20,7 @@ constexpr int kMostHalvings = 10;
 
 ist::Pose poseOfB(const btISTContact& contact) { return contact.X_WA * contact.X_AB; }
 
-/// Distance of the farthest point of B's field or of a tree from the centre of rotation [m].
+/// Radius of a ball about the centre of rotation that contains the tree [m].
 double reach(const ist::InnerSphereTree& tree, const ist::Pose& X_WS, const ist::Vec3& center)
 {
 	return ist::reachOf(tree) + distance(X_WS * tree.origin, center);

@@ -15,8 +15,8 @@ struct btISTFreeMotion
 	ist::Pose after(double time, const ist::Pose& X_WS) const;
 };
 
-/// Finds the first touch of two bodies that would meet within a step, so that a solver can stop them there. Where bodies move by more
-/// than a tenth of the thinner one in a step, a query at the end of the step may find them far inside each other, or on the other side.
+/// Finds the first touch of two bodies that would meet within a step, so that a solver can stop them there. Where bodies move by a
+/// large part of the thinner one in a step, a query at the end of the step may find them far inside each other, or on the other side.
 /// Not installed.
 class btISTFirstTouch
 {

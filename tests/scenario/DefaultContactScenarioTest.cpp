@@ -32,16 +32,7 @@ ist::Mesh coneOnTip()
 }
 
 /// Normal force of the contact of the two bodies in the last step, as a vector on `body` [N].
-Vec3 forceOn(Scene& scene, const btRigidBody* body, double h)
-{
-	Vec3 sum;
-	for (const btISTContact* contact : scene.world.contacts().contacts())
-	{
-		if (contact->bodyA != body && contact->bodyB != body) continue;
-		for (int i = 0; i < contact->patchCount; ++i) sum += (contact->bodyA == body ? 1 / h : -1 / h) * contact->impulses[i].force;
-	}
-	return sum;
-}
+Vec3 forceOn(Scene& scene, const btRigidBody* body, double h) { return 1 / h * impulseOn(scene.world.contacts(), body); }
 
 /// A beam with a notch from above, its middle 0.06 m above the bottom of the notch. Convex parts that share faces would overlap there, so
 /// it is one shell.

@@ -35,9 +35,7 @@ struct JointScene : Scene
 		for (int i = 0; i < steps; ++i)
 		{
 			step(1 / kRate);
-			for (const btISTContact* c : world.contacts().contacts())
-				for (int p = 0; p < c->patchCount; ++p)
-					sum += (c->bodyA == body ? 1.0 : c->bodyB == body ? -1.0 : 0.0) * c->impulses[p].force;
+			sum += impulseOn(world.contacts(), body);
 		}
 		return sum * (kRate / steps);
 	}

@@ -27,21 +27,8 @@ struct MotorScene : Scene
 		world.bullet().addConstraint(joints.back().get(), true);
 		return static_cast<Joint*>(joints.back().get());
 	}
-	/// Contact force on `body` in the last step [N], and its moment about an axis along z.
-	Vec3 forceOn(const btRigidBody* body, double rate, const Vec3& axis = {}, double* moment = nullptr)
-	{
-		Vec3 sum;
-		if (moment) *moment = 0;
-		for (const btISTContact* c : world.contacts().contacts())
-			for (int p = 0; p < c->patchCount; ++p)
-			{
-				const double sign = c->bodyA == body ? rate : c->bodyB == body ? -rate : 0;
-				sum += sign * c->impulses[p].force;
-				const Vec3 point = c->X_WA * (c->treeA->origin + c->patches[p].firstMoment / c->patches[p].volume);
-				if (moment) *moment += sign * (cross(point - axis, c->impulses[p].force).z + c->impulses[p].torque.z);
-			}
-		return sum;
-	}
+	/// Contact force on `body` in the last step [N].
+	Vec3 forceOn(const btRigidBody* body, double rate) { return rate * impulseOn(world.contacts(), body); }
 };
 
 const Solid& fingerSolid()
@@ -168,8 +155,7 @@ TEST(Motors, HingePressesWithItsTorqueAtTenIterations)
 		auto* hinge = scene.join<btHingeConstraint>(*scene.finger, btVector3(0, btScalar(-0.06), 0), btVector3(0, 0, 1));
 		hinge->enableAngularMotor(true, btScalar(0.1), btScalar(kTorque / hz));
 		scene.run(1.5, hz);
-		double moment = 0;
-		scene.forceOn(scene.finger, hz, Finger::kBlock + Vec3{0.061, -0.06, 0}, &moment);
+		const double moment = hz * momentOn(scene.world.contacts(), scene.finger, Finger::kBlock + Vec3{0.061, -0.06, 0});
 		EXPECT_NEAR(std::fabs(moment), kTorque, 0.02 * kTorque);
 	}
 }

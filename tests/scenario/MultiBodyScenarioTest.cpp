@@ -108,28 +108,9 @@ struct LinkScene
 	{
 		for (int i = 0; i < int(seconds * rate); ++i) world.stepSimulation(btScalar(1 / rate), 0);
 	}
-	/// Moment about an axis along z of the volumetric impulses on `object` in the last step [N m s].
-	double momentOn(const btCollisionObject* object, const Vec3& axis)
-	{
-		double sum = 0;
-		for (const btISTContact* c : registration.store().contacts())
-			for (int p = 0; p < c->patchCount; ++p)
-			{
-				const Vec3 point = c->X_WA * (c->treeA->origin + c->patches[p].firstMoment / c->patches[p].volume);
-				const double moment = cross(point - axis, c->impulses[p].force).z + c->impulses[p].torque.z;
-				sum += c->bodyA == object ? moment : c->bodyB == object ? -moment : 0;
-			}
-		return sum;
-	}
-	/// Sum of the volumetric impulses on `object` in the last step [N s].
-	Vec3 impulseOn(const btCollisionObject* object)
-	{
-		Vec3 sum;
-		for (const btISTContact* c : registration.store().contacts())
-			for (int p = 0; p < c->patchCount; ++p)
-				sum += (c->bodyA == object ? 1.0 : c->bodyB == object ? -1.0 : 0.0) * c->impulses[p].force;
-		return sum;
-	}
+	/// See the functions of the same names in VolumetricScene.h.
+	double momentOn(const btCollisionObject* object, const Vec3& axis) { return scenario::momentOn(registration.store(), object, axis); }
+	Vec3 impulseOn(const btCollisionObject* object) { return scenario::impulseOn(registration.store(), object); }
 };
 
 btQuaternion turned(const Vec3& rotation) { return at({}, rotation).getRotation(); }

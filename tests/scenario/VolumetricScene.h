@@ -96,6 +96,31 @@ inline double height(const btRigidBody* body) { return double(body->getWorldTran
 /// Angle between a body's y axis and the world's [rad].
 inline double tilt(const btRigidBody* body) { return std::acos(std::clamp(double(body->getWorldTransform().getBasis()[1][1]), -1.0, 1.0)); }
 
+/// Sum of the volumetric impulses on `object` in the last step, World [N s].
+inline ist::Vec3 impulseOn(const btISTContactStore& store, const btCollisionObject* object)
+{
+	ist::Vec3 sum;
+	for (const btISTContact* contact : store.contacts())
+		for (int i = 0; i < contact->patchCount; ++i)
+			sum += (contact->bodyA == object ? 1.0 : contact->bodyB == object ? -1.0 : 0.0) * contact->impulses[i].force;
+	return sum;
+}
+
+/// Moment about an axis along z of the volumetric impulses on `object` in the last step [N m s].
+inline double momentOn(const btISTContactStore& store, const btCollisionObject* object, const ist::Vec3& axis)
+{
+	double sum = 0;
+	for (const btISTContact* contact : store.contacts())
+		for (int i = 0; i < contact->patchCount; ++i)
+		{
+			const ist::OverlapIntegrals& patch = contact->patches[i];
+			const ist::Vec3 point = contact->X_WA * (contact->treeA->origin + patch.firstMoment / patch.volume);
+			const double moment = cross(point - axis, contact->impulses[i].force).z + contact->impulses[i].torque.z;
+			sum += contact->bodyA == object ? moment : contact->bodyB == object ? -moment : 0;
+		}
+	return sum;
+}
+
 /// Bodies in their own world. They never sleep.
 class Scene
 {

@@ -19,6 +19,7 @@ Wrench turnedAbout(const Vec3& center, const Wrench& w, const Vec3& by)
 	const Vec3 force = cross(by, w.force), rest = w.torque - cross(center, w.force);
 	return {force, cross(center, force) + cross(by, rest)};
 }
+
 /// Change of a wrench that moves as a whole with the motion.
 Wrench movedWith(const Twist& motion, const Wrench& w)
 {

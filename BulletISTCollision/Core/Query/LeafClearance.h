@@ -14,8 +14,8 @@ constexpr int kMostOpenedForClearance = 64;
 /// for the distance of the bodies use queryDistance. X_AB: pose of B's mesh frame in A's. Opens at most `mostOpened` nodes, and never more
 /// than kMostOpenedForClearance; with fewer nodes the bound is smaller. No allocation.
 double leafClearance(const InnerSphereTree& A, const InnerSphereTree& B, const Pose& X_AB, int mostOpened);
-/// The same bound for A and a body in closed form [m]: of A's surface from a half-space or a box, otherwise of A's leaves. X_AF: pose of
-/// the field's frame in A's mesh frame.
+/// Returns the same bound for A and a body in closed form [m]. It holds for A's surface at a half-space or a box, and otherwise for A's
+/// leaves. X_AF: pose of the field's frame in A's mesh frame.
 double leafClearance(const InnerSphereTree& A, const AnalyticField& field, const Pose& X_AF, int mostOpened);
 /// Radius of a ball about the tree's origin that contains all leaves and the surface [m].
 double reachOf(const InnerSphereTree& tree);

@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Geometry/AnalyticField.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
+#include "demos/scenes/Truth/MeshBelowPlane.h"
 #include "demos/scenes/Truth/PairMotion.h"
 
 #include <algorithm>
@@ -52,31 +53,10 @@ double modelVolumeBelow(const ist::InnerSphereTree& tree, const ist::Pose& X_WT,
 
 namespace
 {
-/// Exact volume [m^3] of a closed mesh below a height. The apex of all tetrahedra is in the plane, so the face that closes the cut adds
-/// nothing.
-double exactVolumeBelow(const ist::Mesh& mesh, const ist::Pose& X_WM, double height)
+/// Volume that the model gives a solid below a height [m^3]: of its mesh where it has a surface, otherwise its leaves.
+double volumeOfModel(const ExtremeSolid& solid, const ist::Pose& X, double height)
 {
-	const ist::Vec3 apex{X_WM.translation.x, height, X_WM.translation.z};
-	double six = 0;
-	for (const auto& triangle : mesh.triangles)
-	{
-		ist::Vec3 kept[4];
-		int count = 0;
-		for (size_t i = 0; i < 3; ++i)
-		{
-			const ist::Vec3 p = X_WM * mesh.vertices[triangle[i]] - apex, q = X_WM * mesh.vertices[triangle[(i + 1) % 3]] - apex;
-			if (p.y <= 0) kept[count++] = p;
-			if ((p.y < 0 && q.y > 0) || (p.y > 0 && q.y < 0)) kept[count++] = p + (p.y / (p.y - q.y)) * (q - p);
-		}
-		for (int i = 2; i < count; ++i) six += dot(kept[0], cross(kept[i - 1], kept[i]));
-	}
-	return six / 6;
-}
-
-/// What the model says of a solid on a half-space: its mesh where it has a surface, otherwise its leaves.
-double volumeBelow(const ExtremeSolid& solid, const ist::Pose& X, double height)
-{
-	return solid.tree->surface.empty() ? modelVolumeBelow(*solid.tree, X, height) : exactVolumeBelow(solid.mesh, X, height);
+	return solid.tree->surface.empty() ? modelVolumeBelow(*solid.tree, X, height) : volumeBelow(solid.mesh, X, height);
 }
 
 /// Force of a cube on an equal one on which it lies flat: at the depth t below a face, that face is the nearest on (edge - 2 t)^2.
@@ -118,11 +98,12 @@ double modelSinkage(const ExtremeSolid& cube, const ExtremeSolid* below, double 
 		ist::Pose X;
 		X.translation = {0, (below ? edge : edge / 2) - depth, 0};
 		X.rotation = ist::rotationMatrix(ist::quaternionFromRotationVector({0, turn, 0}));
-		const double force = below ? forceUp(cube, X, *below, {}, k, false) : k * volumeBelow(cube, X, 0);
+		const double force = below ? forceUp(cube, X, *below, {}, k, false) : k * volumeOfModel(cube, X, 0);
 		(force < weight ? low : high) = depth;
 	}
 	return 0.5 * (low + high);
 }
+
 RestOutcome restOnPlane(Response response, const ExtremeSolid& cube, const RestSetup& s)
 {
 	const double edge = ist::bounds(cube.mesh).longestSide(), weight = s.mass * s.gravity, inertia = s.mass * edge * edge / 6;
@@ -153,7 +134,7 @@ RestOutcome restOnPlane(Response response, const ExtremeSolid& cube, const RestS
 		if (i >= steps / 2) out.creep = std::max(out.creep, norm(positionOf(body) - middle) / edge);
 		out.energyGain = std::max(out.energyGain, (kineticEnergy(body, s.mass, inertia) + weight * risen) / (weight * edge));
 		if (i < steps - watched) continue;
-		out.modelRatio += s.k * volumeBelow(cube, toPose(body->getWorldTransform()), s.place.y) / (weight * watched);
+		out.modelRatio += s.k * volumeOfModel(cube, toPose(body->getWorldTransform()), s.place.y) / (weight * watched);
 		out.impulseRatio += (s.mass * (double(body->getLinearVelocity().y()) - before) + weight * s.h) / (weight * s.h * watched);
 	}
 	out.depth = edge / 2 - (positionOf(body).y - s.place.y);
