@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletHapticForce/Solver/btToEigen.h"
 #include "BulletHapticForce/Solver/btFrictionWithinLimit.h"
 #include "BulletHapticForce/Solver/btIslandBlockMatrices.h"
 #include "BulletHapticForce/Solver/btIslandBlockSolver.h"
+#include "BulletHapticForce/Solver/btToEigen.h"
 #include "BulletISTCollision/Core/Base/SymmetricEigen.h"
 
 #include <algorithm>
