@@ -22,6 +22,7 @@ set(BULLETHAPTICS_HEADERS
 	BulletHapticForce/World/btEnergyAudit.h
 	BulletHapticForce/World/btISTSceneReport.h
 	BulletHapticForce/World/btISTSubsteps.h
+	BulletHapticForce/World/btISTWarnings.h
 	BulletHapticForce/World/btISTWorld.h
 	BulletHapticForce/World/btVolumetricInstallation.h
 	BulletHapticForce/btBulletHapticForceCommon.h

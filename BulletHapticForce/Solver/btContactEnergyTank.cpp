@@ -60,7 +60,7 @@ bool turnsOver(btISTContact& contact)
 bool btContactEnergyTank::begin(btISTContact& contact, double speed, double h)
 {
 	btISTContactEnergyTank& tank = contact.tank;
-	const bool turned = turnsOver(contact);
+	const bool turned = tank.turned = turnsOver(contact);
 	const double most = capacity(contact);
 	if (tank.open)
 	{

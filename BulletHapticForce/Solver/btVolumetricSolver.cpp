@@ -14,8 +14,6 @@
 
 namespace
 {
-constexpr double kTooDeep = 0.25;  // share of the thinner body's thickness
-
 bool isRigid(const btCollisionObject* object)
 {
 	return object->getInternalType() == btCollisionObject::CO_RIGID_BODY || object->isStaticOrKinematicObject();
@@ -68,7 +66,7 @@ void btVolumetricSolver<Base>::addContact(btISTContact& contact, btPersistentMan
 	btVolumetricStatistics& statistics = m_islands.statistics();
 	statistics.contactsRefused += contact.status != ist::QueryStatus::Ok;
 	if (!a->hasContactResponse() || !b->hasContactResponse() || manifold.getNumContacts() == 0) return;
-	statistics.contactsTooDeep += contact.depth > kTooDeep * contact.thickness();
+	statistics.contactsTooDeep += contact.isDeep();
 	// The friction is read from the point, because a game's contact-added callback may have set it there.
 	const double friction = std::max(double(manifold.getContactPoint(0).m_combinedFriction), 0.0);
 	if (kHasLinks && (linkOf(a) || linkOf(b))) addLinkContact(contact, *a, *b, friction, info.m_timeStep);

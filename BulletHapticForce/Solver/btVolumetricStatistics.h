@@ -17,7 +17,7 @@ struct btVolumetricStatistics
 	uint64_t contactsHeldToEnergyTank = 0;
 	/// contacts whose force has reversed since the step before: one body was pushed, or fell, through the other
 	uint64_t contactsTurnedOver = 0;
-	/// contacts that are deeper in this step than a quarter of the thinner body (btISTContact::thickness): a body may be pushed through;
+	/// contacts that are deeper in this step than a tenth of the thinner body (btISTContact::isDeep): a body may be pushed through;
 	/// set a stiffness
 	uint64_t contactsTooDeep = 0;
 	/// contacts whose force may be 5 % off, because btScalar rounds the bodies' positions too coarsely there

@@ -84,6 +84,9 @@ btISTPairReport ofContact(const btISTContact& contact, double thickness, bool as
 	report.stiffnessRule = c.rule;
 	report.depth = contact.depth;
 	report.deepest = contact.deepest / thickness;
+	report.depthShare = contact.depth / thickness;
+	report.load = c.load;
+	if (contact.isDeep()) report.advice = btISTWarnings::advice(btISTWarning::Deep, c.rule);
 	const double floor = btISTCachedResult::floorForce(contact);
 	const double kept = contact.use == btISTCachedResult::Moved ? contactCache.maxError : 0;
 	report.expectedError = std::hypot(contact.error.force / std::max(report.force, floor), kept);
@@ -186,7 +189,24 @@ const char* btISTPairReport::nameOf(btISTStiffnessRule rule)
 	return "";
 }
 
-btISTSceneReport btISTSceneReport::of(btISTWorld& world, const Names& names) { return of(world.bullet(), world.registration(), names); }
+btISTSceneReport btISTSceneReport::of(btISTWorld& world, const Names& names)
+{
+	btISTSceneReport report = of(world.bullet(), world.registration(), names);
+	const btCollisionObjectArray& objects = world.bullet().getCollisionObjectArray();
+	const auto nameOf = [&](const btCollisionObject* object) -> std::string {
+		if (!object || objects.findLinearSearch2(const_cast<btCollisionObject*>(object)) < 0) return {};
+		return names ? names(object) : numbered(object);
+	};
+	for (int i = 0; i < kWarningKinds; ++i)
+	{
+		const auto kind = btISTWarning(i);
+		const btISTWarnings::Record& record = world.warnings()[kind];
+		if (record.count > 0)
+			report.warnings.push_back(
+				{kind, record, nameOf(record.bodyA), nameOf(record.bodyB), btISTWarnings::advice(kind, world.warnings().ruleOf(kind))});
+	}
+	return report;
+}
 
 btISTSceneReport btISTSceneReport::of(const btCollisionWorld& world, btISTRegistration& registration, const Names& names)
 {
@@ -239,6 +259,16 @@ std::vector<std::string> btISTSceneReport::lines() const
 	rows.push_back("contact cache " + std::string(contactCache.on ? "on" : "off") + granted + "; " + std::to_string(total.asked) +
 		" queries, " + std::to_string(total.cached()) + " from the cache: a query in " + number(total.factor(), 3) +
 		" steps of a pair; queries " + number(1e3 * total.querySeconds, 3) + " ms, saved about " + number(1e3 * savedSeconds, 3) + " ms");
+	for (const btISTWarningReport& w : warnings)
+	{
+		std::string line = "warning: " + std::string(btISTWarnings::nameOf(w.kind)) + ", " + std::to_string(w.record.count) + " times";
+		if (!w.nameA.empty()) line += ", " + w.nameA;
+		if (!w.nameB.empty()) line += " - " + w.nameB;
+		if (w.record.bodyB)
+			line += ", " + number(1e3 * w.record.depth, 3) + " mm deep (" + number(100 * w.record.share, 2) +
+				" % of the thinner body), k " + number(w.record.k, 3) + " Pa/m";
+		rows.push_back(line + ": " + w.advice);
+	}
 	for (size_t i = 0; i < pairs.size(); ++i)
 	{
 		const btISTPairReport& p = pairs[i];
@@ -248,8 +278,10 @@ std::vector<std::string> btISTSceneReport::lines() const
 				" leaf pairs, " + number(p.force, 3) + " N";
 		if (p.patches > 0 && std::isfinite(p.expectedError)) line += " within " + number(100 * p.expectedError, 2) + " %";
 		if (p.deepest > 0)
-			line += ", " + number(1e3 * p.depth, 3) + " mm deep (at most " + number(100 * p.deepest, 2) + " % of the thinner body), k " +
-				number(p.k, 3) + " Pa/m by " + btISTPairReport::nameOf(p.stiffnessRule);
+			line += ", " + number(1e3 * p.depth, 3) + " mm deep (" + number(100 * p.depthShare, 2) + " % of the thinner body, at most " +
+				number(100 * p.deepest, 2) + " %), k " + number(p.k, 3) + " Pa/m by " + btISTPairReport::nameOf(p.stiffnessRule);
+		if (p.load > 0) line += " of " + number(p.load, 3) + " N";
+		if (!p.advice.empty()) line += ": " + p.advice;
 		if (std::isfinite(p.forceErrorBound))
 			line += ", error bound " + number(100 * p.forceErrorBound, 2) + " %, " + number(100 * p.acceptedError, 2) + " % accepted" +
 				(p.withinTolerance ? "" : ": not within it");
@@ -273,7 +305,16 @@ std::string btISTSceneReport::json() const
 		",\"queries\":" + std::to_string(total.asked) + ",\"kept\":" + std::to_string(total.cached()) +
 		",\"factor\":" + jsonNumber(total.factor()) + ",\"seconds\":" + jsonNumber(total.seconds) +
 		",\"query_seconds\":" + jsonNumber(total.querySeconds) + ",\"saved_seconds\":" + jsonNumber(savedSeconds) +
-		",\"largest_kept_error\":" + jsonNumber(total.largestCacheError) + ",\"pairs\":[";
+		",\"largest_kept_error\":" + jsonNumber(total.largestCacheError) + ",\"warnings\":[";
+	for (size_t i = 0; i < warnings.size(); ++i)
+	{
+		const btISTWarningReport& w = warnings[i];
+		out += std::string(i ? "," : "") + "{\"kind\":" + quoted(btISTWarnings::nameOf(w.kind)) +
+			",\"count\":" + std::to_string(w.record.count) + ",\"a\":" + quoted(w.nameA) + ",\"b\":" + quoted(w.nameB) +
+			",\"k\":" + jsonNumber(w.record.k) + ",\"depth\":" + jsonNumber(w.record.depth) +
+			",\"depth_share\":" + jsonNumber(w.record.share) + ",\"advice\":" + quoted(w.advice) + "}";
+	}
+	out += "],\"pairs\":[";
 	for (size_t i = 0; i < pairs.size(); ++i)
 	{
 		const btISTPairReport& p = pairs[i];
@@ -282,9 +323,10 @@ std::string btISTSceneReport::json() const
 			",\"reason\":" + quoted(p.reason) + ",\"patches\":" + std::to_string(p.patches) +
 			",\"leaf_pairs\":" + std::to_string(p.leafPairs) + ",\"force\":" + jsonNumber(p.force) + ",\"k\":" + jsonNumber(p.k) +
 			",\"stiffness_rule\":" + (p.model > btISTPairReport::Stock ? quoted(btISTPairReport::nameOf(p.stiffnessRule)) : "null") +
-			",\"depth\":" + jsonNumber(p.depth) + ",\"deepest\":" + jsonNumber(p.deepest) +
-			",\"expected_error\":" + jsonNumber(p.expectedError) + ",\"accepted_error\":" + jsonNumber(p.acceptedError) +
-			",\"promised_error\":" + jsonNumber(p.forceErrorBound) + ",\"promise_kept\":" +
+			",\"depth\":" + jsonNumber(p.depth) + ",\"depth_share\":" + jsonNumber(p.depthShare) + ",\"deepest\":" + jsonNumber(p.deepest) +
+			",\"load\":" + jsonNumber(p.load) + ",\"advice\":" + quoted(p.advice) + ",\"expected_error\":" + jsonNumber(p.expectedError) +
+			",\"accepted_error\":" + jsonNumber(p.acceptedError) + ",\"promised_error\":" + jsonNumber(p.forceErrorBound) +
+			",\"promise_kept\":" +
 			(!std::isfinite(p.forceErrorBound) ? "null"
 					: p.withinTolerance        ? "true"
 											   : "false") +

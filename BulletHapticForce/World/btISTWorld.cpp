@@ -55,6 +55,7 @@ btISTWorld::btISTWorld()
 	  m_statistics(&statisticsOf(*m_solver))
 {
 	(void)m_registration.setPairRule(m_materials);
+	m_world->addAction(&m_warnings);
 	setGravity(btVector3(0, btScalar(-9.81), 0));
 }
 
@@ -87,11 +88,13 @@ btISTWorld::btISTWorld(btDiscreteDynamicsWorld& game)
 	(void)m_registration.setPairCache(game.getPairCache());
 	(void)m_registration.reinstall();
 	installInto(game);
+	game.addAction(&m_warnings);
 }
 
 btISTWorld::~btISTWorld()
 {
 	m_materials->followGravity(nullptr);
+	m_world->removeAction(&m_warnings);
 	restore();
 }
 
@@ -160,8 +163,11 @@ std::optional<ist::Error> btISTWorld::step(double seconds)
 	m_passingPairs += m_tooFast.size();
 	// Bullet divides the step by its own clock. The part is slightly shorter, so that rounding cannot lose the last one.
 	const double part = seconds / m_substeps * (1 - 8 * double(std::numeric_limits<btScalar>::epsilon()));
+	m_warnings.wait(true);
 	if (m_substeps == 1) m_world->stepSimulation(btScalar(seconds), 0);
 	else stepInParts(seconds, part);
+	m_warnings.wait(false);
+	m_warnings.write();
 	return std::nullopt;
 }
 

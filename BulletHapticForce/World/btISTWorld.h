@@ -4,6 +4,7 @@
 #include "BulletHapticForce/Law/btContactMaterial.h"
 #include "BulletHapticForce/Solver/btVolumetricSolver.h"
 #include "BulletHapticForce/World/btISTSubsteps.h"
+#include "BulletHapticForce/World/btISTWarnings.h"
 #include "BulletISTCollision/Dispatch/btISTCollisionAlgorithm.h"
 
 #include "BulletCollision/BroadphaseCollision/btDbvtBroadphase.h"
@@ -58,6 +59,12 @@ public:
 	uint64_t passingPairs() const { return m_passingPairs; }
 	/// Statistics of our solver since it was made. All zero where the game keeps its own solver.
 	const btVolumetricStatistics& statistics() const { return *m_statistics; }
+
+	/// What may be wrong with the scene, counted since the world was made: deep contacts, bodies that passed through others, bodies
+	/// without a valid box or inertia, and so on. The first of each kind is written to the log.
+	const btISTWarnings& warnings() const { return m_warnings; }
+	/// Sets where warnings are written. Default, or with an empty function: stderr. See btISTWarnings::Log.
+	void setLog(btISTWarnings::Log log) { m_warnings.setLog(std::move(log)); }
 
 	/// Attaches `tree` to `shape`. From the next step on, its contacts with all that is volumetric are found with the tree. See
 	/// btISTRegistry::attach.
@@ -132,6 +139,7 @@ private:
 	bool m_isSecond = false;  // the game already has a btISTWorld
 	std::string m_refusal;
 	const btVolumetricStatistics* m_statistics;
+	btISTWarnings m_warnings{m_registration};
 	btISTSubsteps m_plan;
 	std::vector<btISTFastPair> m_tooFast;
 	int m_mostSubsteps = 1, m_substeps = 1;

@@ -50,6 +50,7 @@ struct btISTContactEnergyTank
 	bool open = false;                  ///< false until the first solve of an overlap
 	double stored = 0;                  ///< elastic work absorbed and not yet returned: what the pair may still give back [J]
 	double damped = 0;                  ///< energy that damping took and that a larger stiffness may still store [J]
+	bool turned = false;                ///< whether the force has reversed in the last step
 	ist::Vec3 direction;                ///< direction of the force on A when it last had one direction, World axes; zero before
 	ist::Wrench friction[kMaxPatches];  ///< friction of the last step on A, World axes, about the patch: the solver's next initial guess
 										///< [N, N m]
@@ -123,7 +124,8 @@ struct btISTContact
 	double deepest = 0;           ///< largest `depth` since the pair began [m]
 	ist::AdaptiveLevel accuracy;  ///< state of two trees with a force tolerance (btISTRegistration::setForceError); otherwise default
 	btISTPairConstants constants;
-	uint64_t stamp = 0;  ///< btISTContactStore::step() of the last update; if it is older than the present step, the pair sleeps
+	bool touchMissed = false;  ///< in the last step the pair was so fast, or turned so fast, that its first touch may have been missed
+	uint64_t stamp = 0;        ///< btISTContactStore::step() of the last update; if it is older than the present step, the pair sleeps
 
 	/// Impulse on A per patch, written by the solver. World axes, moment about the patch's centroid [N s, N m s].
 	ist::Wrench impulses[kMaxPatches];
@@ -134,6 +136,8 @@ struct btISTContact
 
 	/// Thickness of the thinner of the bodies that have trees (ist::thicknessOf) [m].
 	double thickness() const;
+	/// Whether the contact is deeper than a tenth of the thinner body, where a body may be pushed through.
+	bool isDeep() const { return depth > 0.1 * thickness(); }
 	btISTContactEnergyTank tank;  ///< reset as soon as the pair has parted
 
 	bool canPrefetch = false;                 ///< true if the shapes are the bodies' own, not children of a compound

@@ -160,6 +160,7 @@ void btISTCollisionAlgorithm::evaluate(
 
 	std::fill(contact.impulses, contact.impulses + btISTContact::kMaxPatches, ist::Wrench());
 	contact.normalImpulse = 0;
+	contact.touchMissed = false;
 	contact.work = btISTContactWork();
 	if (contact.patchCount == 0)
 	{
@@ -169,7 +170,8 @@ void btISTCollisionAlgorithm::evaluate(
 		if (kept && m_context->store.predictsTouch() && contact.status == ist::QueryStatus::Ok)
 		{
 			const btISTFreeMotion a = btISTFreeMotion::of(contact.bodyA, step), b = btISTFreeMotion::of(contact.bodyB, step);
-			if (!btISTFirstTouch(query, a, b, step).find(contact, m_context->workspace)) m_context->store.countMissedTouch();
+			contact.touchMissed = !btISTFirstTouch(query, a, b, step).find(contact, m_context->workspace);
+			if (contact.touchMissed) m_context->store.countMissedTouch();
 		}
 	}
 	contact.constants = m_context->rule->decide(contact, contact.bodyA, contact.bodyB);
