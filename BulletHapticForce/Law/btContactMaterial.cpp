@@ -87,7 +87,7 @@ btISTPairConstants btContactMaterialTable::decide(
 		constants.k = B.fluidDensity * gravity;
 		constants.weightA = constants.load = 0;
 		constants.weightB = 1;
-		constants.rule = btISTStiffnessRule::Given;
+		constants.rule = btISTStiffnessRule::Fluid;
 		constants.dissipation = std::max(B.dissipation, 0.0);
 		return constants;
 	}

@@ -60,7 +60,8 @@ bool turnsOver(btISTContact& contact)
 bool btContactEnergyTank::begin(btISTContact& contact, double speed, double h)
 {
 	btISTContactEnergyTank& tank = contact.tank;
-	const bool turned = tank.turned = turnsOver(contact);
+	// In a fit, the force also turns when the contact changes sides.
+	const bool turned = tank.turned = turnsOver(contact) && contact.wasDeep();
 	const double most = capacity(contact);
 	if (tank.open)
 	{

@@ -181,6 +181,7 @@ const char* btISTPairReport::nameOf(btISTStiffnessRule rule)
 	switch (rule)
 	{
 	case btISTStiffnessRule::Given: return "given";
+	case btISTStiffnessRule::Fluid: return "a fluid";
 	case btISTStiffnessRule::OwnLoad: return "own load";
 	case btISTStiffnessRule::PileLoad: return "load of the pile";
 	case btISTStiffnessRule::Pressed: return "what presses";

@@ -13,6 +13,7 @@
 namespace
 {
 constexpr unsigned kStepsPerLook = 64;  // bodies are looked at in the first of so many steps
+constexpr double kDeepTooLong = 0.1;    // time after which an impact should be over [s]
 
 /// Whether a shape has trees, and whether one of them is not used because of the scaling.
 struct Trees
@@ -134,14 +135,15 @@ void btISTWarnings::note(btISTWarning kind, const btCollisionObject& body)
 	m_places[int(kind)][0] = body.getWorldArrayIndex();
 }
 
-void btISTWarnings::lookAtContacts()
+void btISTWarnings::lookAtContacts(double step)
 {
-	const btISTContactStore& store = m_registration.store();
-	for (const btISTContact* contact : store.contacts())
+	btISTContactStore& store = m_registration.store();
+	for (btISTContact* contact : store.contacts())
 	{
 		const bool isOfThisStep = contact->stamp + 1 == store.step() || contact->stamp == store.step();
 		if (!isOfThisStep || !moves(*contact)) continue;
-		if (contact->isDeep()) note(btISTWarning::Deep, *contact);
+		contact->deepFor = contact->isDeep() ? contact->deepFor + step : 0;
+		if (contact->deepFor > kDeepTooLong) note(btISTWarning::Deep, *contact);
 		if (contact->tank.turned) note(btISTWarning::PassedThrough, *contact);
 		if (contact->touchMissed) note(btISTWarning::TooFast, *contact);
 	}
@@ -164,9 +166,9 @@ void btISTWarnings::lookAtBodies(const btCollisionWorld& world)
 	}
 }
 
-void btISTWarnings::updateAction(btCollisionWorld* world, btScalar)
+void btISTWarnings::updateAction(btCollisionWorld* world, btScalar step)
 {
-	lookAtContacts();
+	lookAtContacts(double(step));
 	if (m_registration.registry().size() > 0 && m_steps++ % kStepsPerLook == 0) lookAtBodies(*world);
 	if (!m_waits) write();
 }

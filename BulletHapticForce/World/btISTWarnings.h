@@ -14,7 +14,7 @@ class btDiscreteDynamicsWorld;
 /// What may be wrong with a scene, although it runs.
 enum class btISTWarning
 {
-	Deep,           ///< a contact is deeper than a tenth of the thinner body (btISTContact::isDeep)
+	Deep,           ///< a contact has been deeper than a tenth of the thinner body (btISTContact::isDeep) for 0.1 s or longer
 	PassedThrough,  ///< the force of a contact has reversed: one body was pushed, or fell, through the other
 	TooFast,        ///< a pair was too fast for the step, so that its first touch may have been missed
 	NoBox,          ///< the box of a shape with a tree is empty or not finite, so that the broad phase finds no pair of it
@@ -31,12 +31,12 @@ class btISTWarnings : public btActionInterface
 public:
 	struct Record
 	{
-		uint64_t count = 0;                  ///< contacts, summed over all steps; of the last four kinds: bodies, at the last look
+		uint64_t count = 0;                        ///< contacts, summed over all steps; of the last four kinds: bodies, at the last look
 		const btCollisionObject* bodyA = nullptr;  ///< of the worst contact, or the last body; compare the address only
 		const btCollisionObject* bodyB = nullptr;  ///< null where a body is counted
-		double k = 0;                        ///< stiffness of this contact [Pa/m]
-		double depth = 0;                    ///< its mean depth [m]
-		double share = 0;                    ///< its depth as a share of the thinner body's thickness
+		double k = 0;                              ///< stiffness of this contact [Pa/m]
+		double depth = 0;                          ///< its mean depth [m]
+		double share = 0;                          ///< its depth as a share of the thinner body's thickness
 	};
 	/// Gets a line without a line break. Called after a step of btISTWorld::step; in a game's own stepSimulation at its end, when all
 	/// bodies have moved. The text is valid during the call.
@@ -65,7 +65,7 @@ public:
 	void debugDraw(btIDebugDraw*) override {}
 
 private:
-	void lookAtContacts();
+	void lookAtContacts(double step);
 	void lookAtBodies(const btCollisionWorld& world);
 	void note(btISTWarning kind, const btISTContact& contact);
 	void note(btISTWarning kind, const btCollisionObject& body);

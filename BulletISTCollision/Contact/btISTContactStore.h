@@ -23,7 +23,8 @@ struct btISTContact;
 /// Origin of the stiffness k of a pair.
 enum class btISTStiffnessRule
 {
-	Given,     ///< a material, a fluid, or a rule of the caller; the solver does not change it
+	Given,     ///< a material, or a rule of the caller; the solver does not change it
+	Fluid,     ///< the density of a fluid and gravity; the solver does not change it
 	OwnLoad,   ///< the weight of the heavier of the two bodies
 	PileLoad,  ///< the weight of all bodies that are connected with the two through contacts
 	Pressed,   ///< the force that has lately pressed on the area of the contact, or the speed at which the bodies approach
@@ -98,6 +99,7 @@ private:
 struct btISTContact
 {
 	static constexpr int kMaxPatches = btISTContactEnergyTank::kMaxPatches;
+	static constexpr double kDeep = 0.1;  ///< depth from which on a contact is deep, as a share of the thinner body's thickness
 
 	const btPersistentManifold* manifold = nullptr;
 	const btCollisionObject* bodyA = nullptr;
@@ -120,7 +122,7 @@ struct btISTContact
 	int level = 0;           ///< level of the trees that answered
 	double leafDensity = 0;  ///< leaf density of this level (PressureField.h) [1/m^3]
 	ist::OverlapError error;
-	double depth = 0;             ///< depth of the deepest patch, volume over area [m]
+	double depth = 0;             ///< depth of the deepest patch [m]: volume over area, or twice the mean depth within the bodies if less
 	double deepest = 0;           ///< largest `depth` since the pair began [m]
 	ist::AdaptiveLevel accuracy;  ///< state of two trees with a force tolerance (btISTRegistration::setForceError); otherwise default
 	btISTPairConstants constants;
@@ -133,11 +135,14 @@ struct btISTContact
 	ist::Vec3 pressed;         ///< mean of the normal force on A over about the last 20 ms, World axes [N]; written by the solver
 	double grown = 0;          ///< stiffness in the last step of a pair whose stiffness follows from a load [Pa/m]; written by the solver
 	btISTContactWork work;     ///< written by the solver
+	double deepFor = 0;        ///< time since which it has been deep [s]; written by btISTWarnings
 
 	/// Thickness of the thinner of the bodies that have trees (ist::thicknessOf) [m].
 	double thickness() const;
-	/// Whether the contact is deeper than a tenth of the thinner body, where a body may be pushed through.
-	bool isDeep() const { return depth > 0.1 * thickness(); }
+	/// Whether the contact is deeper than a tenth of the thinner body, where a body may be pushed through. No body floats too deep.
+	bool isDeep() const { return depth > kDeep * thickness() && constants.rule != btISTStiffnessRule::Fluid; }
+	/// Whether it was since the pair began.
+	bool wasDeep() const { return deepest > kDeep * thickness(); }
 	btISTContactEnergyTank tank;  ///< reset as soon as the pair has parted
 
 	bool canPrefetch = false;                 ///< true if the shapes are the bodies' own, not children of a compound

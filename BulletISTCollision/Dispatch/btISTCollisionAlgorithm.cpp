@@ -29,6 +29,20 @@ extern const int btISTBuiltForScalarOfSize4 = 4;
 
 namespace
 {
+/// Depth of the deepest patch [m]: volume over area. Where a patch presses from two sides, their areas cancel, and twice the mean of the
+/// depth within the bodies is less.
+double depthOf(const btISTContact& contact)
+{
+	double deepest = 0;
+	for (int i = 0; i < contact.patchCount; ++i)
+	{
+		const ist::OverlapIntegrals& patch = contact.patches[i];
+		const double inside = contact.constants.weightA * patch.depthA + contact.constants.weightB * patch.depthB;
+		if (patch.volume > 0) deepest = std::max(deepest, std::min(ist::meanDepth(patch), 2 * inside / patch.volume));
+	}
+	return deepest;
+}
+
 /// Whether the shape is the body's own. A child of a compound is not: its parent gives it another transform.
 bool isBody(const btCollisionObjectWrapper& wrap) { return &wrap.getWorldTransform() == &wrap.getCollisionObject()->getWorldTransform(); }
 
@@ -186,8 +200,7 @@ void btISTCollisionAlgorithm::evaluate(
 		}
 	}
 	contact.error = ist::OverlapError();
-	contact.depth = 0;
-	for (int i = 0; i < contact.patchCount; ++i) contact.depth = std::max(contact.depth, ist::meanDepth(contact.patches[i]));
+	contact.depth = depthOf(contact);
 	contact.deepest = std::max(contact.deepest, contact.depth);
 	if (!(contact.total.volume > 0)) return;
 	const double gaps = m_treeA->errorLength() + (m_treeB ? m_treeB->errorLength() : 0);

@@ -89,8 +89,8 @@ TEST(Warnings, ADeepContactIsCountedSaidOnceAndReportedWithItsBodies)
 	scene.step(240);
 	const btISTWarnings::Record& record = scene.world.warnings()[btISTWarning::Deep];
 	EXPECT_GT(record.count, 100u);
-	// In the step in which it falls asleep the contact is found, but not solved.
-	EXPECT_NEAR(double(record.count), double(scene.world.statistics().contactsTooDeep), 1);
+	// It must be deep for 0.1 s. In the step in which it falls asleep it is found, but not solved.
+	EXPECT_NEAR(double(record.count), double(scene.world.statistics().contactsTooDeep) - 6, 2);
 	EXPECT_TRUE((record.bodyA == body && record.bodyB == floor) || (record.bodyA == floor && record.bodyB == body));
 	EXPECT_NEAR(record.depth, .0981, .03);  // it falls into this depth and beyond
 	EXPECT_NEAR(record.share, record.depth * 3, 1e-6);
