@@ -122,7 +122,7 @@ private:
 	btRigidBody* m_fixed = nullptr;
 	Vec3 m_centre, m_top;
 	bool m_foreign = false;
-	double m_press = 5, m_friction = 0, m_nextTruth = 0, m_off = 0;
+	double m_press = 3, m_friction = 0, m_nextTruth = 0, m_off = 0;
 };
 }  // namespace
 

@@ -61,7 +61,6 @@ protected:
 			addPedestal(w, i, place);
 			BodySetup body;
 			body.name = "body " + std::to_string(i + 1);
-			body.stiffness = 5e6;
 			body.dissipation = 20;
 			body.colour = bodyColour(i == 0 ? 5 : i);
 			body.X_WM.translation = place + Vec3{0, tops[i] - bounds(m_solid->mesh).lower.y + 0.02, 0} - m_solid->X_MP.translation;
