@@ -38,7 +38,7 @@ void multiply(btContactPatch& patch, double factor);
 ///   the step, so its stiffness must leave the other part out.
 /// - The stiffness holds for rotations within the patch. Beyond, other elements of the surface press, whose steps add up to no stiffness:
 ///   the part grows with `rolled` over the friction radius.
-/// `fromDamping`: the same share is left out of the damping, so that a body rolls without resistance.
+/// `fromDamping`: half of this part is left out of the damping too, so that a body hardly feels it while it rolls fast.
 /// Cost: O(1).
 void leaveOutRolling(btContactPatch& patch, double height, double rolled, bool fromDamping);
 
