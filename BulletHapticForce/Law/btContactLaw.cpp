@@ -2,6 +2,7 @@
 #include "BulletHapticForce/Law/btContactLaw.h"
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +21,8 @@ constexpr double kDecay = 20;           // of a k that an impact has raised, e-f
 constexpr double kSpare = 4;            // k may stay so many times stiffer than needed; a k that falls lets a body creep
 constexpr double kDepthOfStep = 2e-3;   // share of the thinner body that the way of a step may take
 constexpr double kDepthOfImpact = 0.1;  // share of it that stopping a body may take in all
+constexpr double kRolledPerRadius = 1;  // shares of force times height that rolling by one friction radius leaves out of the stiffness
+constexpr double kDampedRolling = 0.5;  // share of that which is left out of the damping; all of it would let an egg tumble on at 60 Hz
 constexpr double kAreaOfImpact = 0.1;   // area on which it stops, at least, as a share of the smaller surface: it grows as it sinks in
 
 double traceOfForces(const ist::SymmetricMatrix6& K) { return K(0, 0) + K(1, 1) + K(2, 2); }
@@ -96,6 +99,54 @@ ist::SymmetricMatrix6 movedToWorld(const ist::SymmetricMatrix6& K, const Matrix3
 			moved(i + 3, j + 3) = torques(i, j);
 		}
 	return moved;
+}
+
+/// The two axes across the normal about which a patch is stiffest and softest against rotation.
+struct RollingAxes
+{
+	Eigen::Vector3d normal, axis[2];
+	double stiffness[2];  ///< [N m]
+
+	RollingAxes(const Matrix3& K, const ist::Vec3& n) : normal(toEigen(n))
+	{
+		ist::Vec3 t1, t2;
+		ist::completeFrame(n, t1, t2);
+		const Eigen::Vector3d u = toEigen(t1), v = toEigen(t2);
+		const double uu = u.dot(K * u), vv = v.dot(K * v), uv = u.dot(K * v);
+		const double mean = 0.5 * (uu + vv), half = std::hypot(0.5 * (uu - vv), uv), angle = 0.5 * std::atan2(uv, 0.5 * (uu - vv));
+		axis[0] = std::cos(angle) * u + std::sin(angle) * v;
+		axis[1] = -std::sin(angle) * u + std::cos(angle) * v;
+		stiffness[0] = mean + half;
+		stiffness[1] = mean - half;
+	}
+	/// Scale of rotations that lowers both stiffnesses by `moment` [N m], to zero at least.
+	Matrix3 without(double moment) const
+	{
+		Matrix3 scale = normal * normal.transpose();
+		for (int i = 0; i < 2; ++i)
+			if (stiffness[i] > moment) scale += std::sqrt(1 - moment / stiffness[i]) * axis[i] * axis[i].transpose();
+		return scale;
+	}
+};
+
+/// Scales the rotations of a stiffness or damping. A positive semidefinite one stays so.
+void scaleRotations(ist::SymmetricMatrix6& matrix, const Matrix3& scale)
+{
+	Matrix3 mixed, torques;
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j)
+		{
+			mixed(i, j) = matrix(i, 3 + j);
+			torques(i, j) = matrix(3 + std::min(i, j), 3 + std::max(i, j));
+		}
+	mixed = mixed * scale;
+	torques = scale * torques * scale;
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j)
+		{
+			matrix(i, 3 + j) = mixed(i, j);
+			if (j >= i) matrix(3 + i, 3 + j) = torques(i, j);
+		}
 }
 
 /// Covariance of the overlap, Int r r^T dV / V about its centroid, in A's mesh axes [m^2].
@@ -213,6 +264,18 @@ void notePressed(btISTContact& contact, const ist::Vec3& normalImpulse, double h
 {
 	const ist::Vec3 change = -std::expm1(-h / kPressedTime) * (normalImpulse / h - contact.pressed);
 	if (isFinite(change)) contact.pressed += change;
+}
+
+void leaveOutRolling(btContactPatch& patch, double height, double rolled, bool fromDamping)
+{
+	const double force = norm(patch.wrench.force), beyond = force * height * kRolledPerRadius * rolled / patch.frictionRadius;
+	if (!(force * height > 0) || !std::isfinite(beyond)) return;
+	Matrix3 K;
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j) K(i, j) = patch.stiffness(3 + std::min(i, j), 3 + std::max(i, j));
+	const RollingAxes axes(K, patch.normal);
+	scaleRotations(patch.stiffness, axes.without(force * height + beyond));
+	if (fromDamping) scaleRotations(patch.damping, axes.without(kDampedRolling * beyond));
 }
 
 void multiply(btContactPatch& patch, double factor)

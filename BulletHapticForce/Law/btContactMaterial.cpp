@@ -91,6 +91,7 @@ btISTPairConstants btContactMaterialTable::decide(
 		constants.dissipation = std::max(B.dissipation, 0.0);
 		return constants;
 	}
+	constants.freeRolling = A.dissipation < 0 && B.dissipation < 0;
 	constants.dissipation = combinedDissipation(A, B, constants.dissipation);
 	if (A.stiffness > 0 && B.stiffness > 0)
 	{

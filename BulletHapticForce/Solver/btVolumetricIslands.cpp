@@ -170,6 +170,27 @@ void btVolumetricIslands::carryLoads(const btSolverBody* bodies)
 		}
 }
 
+/// On a plane, contact moves on with a body that rolls. The height of two bodies that can move is that of balls that roll on each other.
+void btVolumetricIslands::leaveOutRolling(const btSolverBody* bodies)
+{
+	for (Entry& e : m_entries)
+	{
+		if (!(e.contact->patches[e.patchIndex].foundationVolume > 0)) continue;
+		double curvature = 0;
+		for (int side = 0; side < 2; ++side)
+		{
+			const btSolverBody& body = bodies[side == 0 ? e.bodyA : e.bodyB];
+			if (!canMove(body)) continue;
+			const ist::Vec3 arm = toVec3(body.getWorldTransform().getOrigin()) - e.patch.point;
+			const double height = (side == 0 ? 1 : -1) * dot(arm, e.patch.normal);
+			curvature += height > 0 ? 1 / height : std::numeric_limits<double>::infinity();
+		}
+		const ist::Vec3 spin = freeTwist(e, bodies).angular;
+		const double rolled = m_step / curvature * norm(spin - dot(spin, e.patch.normal) * e.patch.normal);
+		::leaveOutRolling(e.patch, 1 / curvature, rolled, e.contact->constants.freeRolling);
+	}
+}
+
 /// Moves the wrenches of bodies that do not touch yet back to their present poses: there the spring of the contact pulls by as much as
 /// it lacks until the touch, and the solver leaves it out as long as it pulls.
 void btVolumetricIslands::waitForTouch(const btSolverBody* bodies)
@@ -256,6 +277,7 @@ void btVolumetricIslands::prepare(const btSolverBody* bodies, int bodyCount, con
 	displaceByRounding(bodies);
 	findIslands(bodies, touched);
 	carryLoads(bodies);
+	leaveOutRolling(bodies);
 	waitForTouch(bodies);
 	openEnergyTanks(bodies);
 	for (const Island& island : m_islands)

@@ -117,6 +117,7 @@ private:
 	static ist::Twist freeTwist(const Entry& e, const btSolverBody* bodies);
 	void carryLoads(const btSolverBody* bodies);
 	void waitForTouch(const btSolverBody* bodies);
+	void leaveOutRolling(const btSolverBody* bodies);
 	static void centre(Entry& e, const btSolverBody* bodies);
 	void displaceByRounding(const btSolverBody* bodies);
 	void openEnergyTanks(const btSolverBody* bodies);

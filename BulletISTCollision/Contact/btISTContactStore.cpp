@@ -91,6 +91,7 @@ btISTPairConstants btISTDefaultPairRule::decide(
 
 	btISTPairConstants constants;
 	constants.load = load;
+	constants.freeRolling = true;
 	constants.depth = aimedDepth(contact, size);
 	const double first = std::max(constants.depth, kFirstDepthPerSize * depthScale(contact, size));
 	constants.gravity = std::max(gravityA, gravityB);

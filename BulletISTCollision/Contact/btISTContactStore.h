@@ -40,7 +40,8 @@ struct btISTPairConstants
 	double depth = 0;    ///< if k follows from a load: the mean depth (ist::meanDepth) at which the pair shall rest [m]
 	double gravity = 0;  ///< if k follows from a load: the larger gravity of the two bodies [m/s^2]
 	btISTStiffnessRule rule = btISTStiffnessRule::Given;
-	double dissipation = 5;  ///< Hunt-Crossley: the pressure grows by this times the approach speed [s/m]
+	double dissipation = 5;    ///< Hunt-Crossley: the pressure grows by this times the approach speed [s/m]
+	bool freeRolling = false;  ///< true: damping does not resist rolling. False: it does, as the law says (docs/model.md, section 2)
 };
 
 /// State that the solver keeps for a pair from step to step while it overlaps.

@@ -172,6 +172,38 @@ TEST(DefaultContact, NothingFastPassesSomethingThin)
 			}
 }
 
+// A ball on a plane has no rolling resistance: the pressure stays below its centre.
+TEST(DefaultContact, ABallRollsOnAPlaneWithoutResistance)
+{
+	constexpr double kMass = 1, kRadius = .5, kInertia = .4 * kMass * kRadius * kRadius, kSpeed = 5;
+	const Solid ball(ist::makeSphereMesh(kRadius, 4), 500);  // 5,120 triangles
+	for (const double rate : {60., 240.})
+	{
+		Scene scene;
+		scene.addFloor()->setFriction(btScalar(.7));
+		btRigidBody* body = scene.add(scene.volumetricShape(ball), kMass, kInertia, at({0, kRadius, 0}));
+		body->setFriction(btScalar(.7));
+		scene.run(.5, rate);
+		body->setLinearVelocity(btVector3(btScalar(kSpeed), 0, 0));
+		body->setAngularVelocity(btVector3(0, 0, btScalar(-kSpeed / kRadius)));
+		const auto energy = [&] {
+			return .5 * kMass * double(body->getLinearVelocity().length2()) + .5 * kInertia * double(body->getAngularVelocity().length2()) +
+				kMass * kGravity * height(body);
+		};
+		const double given = energy();
+		double most = 0;
+		for (int i = 0; i < int(3 * rate); ++i)
+		{
+			scene.step(1 / rate);
+			most = std::max(most, energy());
+		}
+		EXPECT_LT(most, 1.001 * given) << rate;
+		const double speed = double(body->getLinearVelocity().length());
+		EXPECT_GT(speed, .9 * kSpeed) << rate;
+		EXPECT_NEAR(double(body->getAngularVelocity().length()) * kRadius, speed, .05 * kSpeed) << rate << ": it does not slide";
+	}
+}
+
 // A first touch is announced with no more than its own depth, and nothing is held before it.
 TEST(DefaultContact, WhatDoesNotTouchIsNotHeld)
 {
