@@ -2,11 +2,25 @@
 #include "BulletISTCollision/Core/Force/ContactPoints.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace ist
 {
 namespace
 {
+/// Sets the rectangle of a point whose normal and area are known.
+void setExtent(ContactPoint& point, const ContactFace& face)
+{
+	Vec3 u, v;
+	completeFrame(point.normal, u, v);
+	const double uu = dot(u, face.second * u), vv = dot(v, face.second * v), uv = dot(u, face.second * v);
+	const double mean = 0.5 * (uu + vv), half = std::hypot(0.5 * (uu - vv), uv), angle = 0.5 * std::atan2(uv, 0.5 * (uu - vv));
+	// A rectangle has the variance side^2 / 3.
+	const auto side = [&](double moment) { return std::sqrt(3 * std::max(moment, 0.0) / face.area); };
+	point.sides[0] = side(mean + half) * (std::cos(angle) * u + std::sin(angle) * v);
+	point.sides[1] = side(mean - half) * (std::cos(angle) * v - std::sin(angle) * u);
+}
+
 /// `sign`: 1 for a face of B, which presses A along its normal, and -1 for one of A. `stiffness`: with the weight of the other body.
 ContactPoint pointOf(const ContactFace& face, double sign, double stiffness)
 {
@@ -18,6 +32,9 @@ ContactPoint pointOf(const ContactFace& face, double sign, double stiffness)
 	point.pressure = face.area > 0 ? stiffness * size / face.area : 0;
 	point.error = stiffness * face.error;
 	point.ofA = sign < 0;
+	point.center = face.center;
+	point.slope = stiffness * face.gradient;
+	if (face.area > 0 && size > 0) setExtent(point, face);
 	return point;
 }
 }  // namespace

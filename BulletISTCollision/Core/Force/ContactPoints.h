@@ -19,6 +19,10 @@ struct ContactPoint
 	double pressure = 0;  ///< force over area [Pa]
 	double error = 0;     ///< standard error of the pressure [Pa]
 	bool ofA = false;     ///< whether the area is of A's surface; otherwise it is of B's
+	/// Extent of the area: the rectangle that has its centroid, its size and its second moments, with the half sides `sides` [m]. A flat
+	/// face is one point, however large it is. Zero where the extent is not known.
+	Vec3 center{}, sides[2]{};
+	Vec3 slope{};  ///< gradient of the pressure along the area [Pa/m]
 
 	Vec3 force() const { return (pressure * area) * normal; }  ///< force on A [N]
 };

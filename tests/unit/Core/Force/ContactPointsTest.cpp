@@ -163,6 +163,46 @@ TEST(TaxelArray, ForcesWithTheRestAddUpToTheForceWithoutAllocation)
 	EXPECT_GT(felt, 0);
 }
 
+// A flat face is one point of contact. The pressure is known, and its shares are integrated on a fine grid.
+TEST(TaxelArray, AFlatFacePressesOnAllTaxelsThatItCovers)
+{
+	const InnerSphereTree table = treeOf(makeBoxMesh({1, 1, 0.2}));
+	constexpr double kStiffness = 1e7;
+	QueryWorkspace workspace;
+	for (const double tilt : {0.0, 2e-3, 5e-3})
+	{
+		const double c = std::cos(tilt), s = std::sin(tilt);
+		const Pose X_TB{Mat3{{{1, 0, 0}, {0, c, -s}, {0, s, c}}}, {0, 0, -0.3 + 1e-3}};  // the box with the taxels hangs below the table
+		const OverlapResult answer = queryOverlap(table, box(), {X_TB.rotation, {0, 0, -0.3 + 1e-3}}, workspace);
+		const std::vector<ContactPoint> points = pointsOf(answer, {kStiffness, 0.5, 0.5});
+		TaxelArray taxels = grid(0.06);
+		const Pose X_BT = inverse(X_TB);
+		taxels.clear();
+		taxels.add(points.data(), points.size(), X_BT, -1);
+
+		// Pressure of both bodies' fields at a place (x, y) of the top of the box: k / 2 times the depth, twice.
+		std::vector<double> expected(64);
+		double whole = 0;
+		constexpr int kGrid = 400;
+		for (int i = 0; i < kGrid; ++i)
+			for (int k = 0; k < kGrid; ++k)
+			{
+				const Vec3 x{0.4 * ((2 * i + 1.0) / kGrid - 1), 0.3 * ((2 * k + 1.0) / kGrid - 1), 0.1};
+				const double depth = (X_TB * x).z + 0.2, force = kStiffness * std::max(0.0, depth) * 0.8 * 0.6 / (kGrid * kGrid);
+				whole += force;
+				double weights[64], sum = 0;
+				for (size_t t = 0; t < 64; ++t)
+				{
+					const double near = 1 - squaredNorm(x - taxels.taxels()[t].position) / (0.06 * 0.06);
+					sum += weights[t] = near > 0 ? near * near : 0;
+				}
+				for (size_t t = 0; t < 64; ++t) expected[t] += force * weights[t] / std::max(1.0, sum);
+			}
+		for (size_t t = 0; t < 64; ++t)
+			EXPECT_NEAR(-taxels.forces()[t].z, expected[t], 0.02 * whole / 64 + 0.02 * expected[t]) << t << " at " << tilt;
+	}
+}
+
 TEST(TaxelArray, FeelsWhatPressesNearAndFromOutside)
 {
 	TaxelArray taxels = TaxelArray::make({{{0, 0, 0}, {0, 0, 1}, 0.01}, {{0.1, 0, 0}, {0, 0, 1}, 0.01}}).value();
