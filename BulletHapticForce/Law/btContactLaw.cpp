@@ -21,7 +21,7 @@ constexpr double kDecay = 20;           // of a k that an impact has raised, e-f
 constexpr double kSpare = 4;            // k may stay so many times stiffer than needed; a k that falls lets a body creep
 constexpr double kDepthOfStep = 2e-3;   // share of the thinner body that the way of a step may take
 constexpr double kDepthOfImpact = 0.1;  // share of it that stopping a body may take in all
-constexpr double kRolledPerRadius = 1;  // shares of force times height that rolling by one friction radius leaves out of the stiffness
+constexpr double kRolledPerRadius = 2;  // shares of force times height that rolling by one friction radius leaves out of the stiffness
 constexpr double kDampedRolling = 0.5;  // share of that which is left out of the damping; all of it would let an egg tumble on at 60 Hz
 constexpr double kAreaOfImpact = 0.1;   // area on which it stops, at least, as a share of the smaller surface: it grows as it sinks in
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/Solver/btContactEnergyTank.h"
 
+#include "BulletDynamics/Dynamics/btRigidBody.h"
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace
 {
@@ -11,6 +14,7 @@ namespace
 constexpr double kLeastPressure = 0.5;
 /// Share of the energy of the model that bodies placed inside one another may use, where no stiffness was set: enough to come apart.
 constexpr double kShareOfBegin = 0.1;
+constexpr double kPartingSpeed = 0.3;  // at which such bodies leave each other [m/s]
 
 double work(const ist::Wrench& impulse, const ist::Twist& twist)
 {
@@ -37,6 +41,18 @@ double capacity(const btISTContact& contact)
 	}
 	return sum;
 }
+/// Energy that lifts the load by the depth of the contact and lets the lighter body leave at kPartingSpeed [J].
+double energyToPart(const btISTContact& contact, double depth)
+{
+	double lighter = std::numeric_limits<double>::infinity();
+	for (const btCollisionObject* object : {contact.bodyA, contact.bodyB})
+	{
+		const btRigidBody* body = btRigidBody::upcast(object);
+		if (body && body->getInvMass() > 0) lighter = std::min(lighter, 1 / double(body->getInvMass()));
+	}
+	return contact.constants.load * depth + lighter * kPartingSpeed * kPartingSpeed;
+}
+
 /// True when the force has reversed since the last step in which it had one direction. Patches that push against each other have no
 /// common direction, as on a body that surrounds a thin one.
 bool turnsOver(btISTContact& contact)
@@ -74,8 +90,8 @@ bool btContactEnergyTank::begin(btISTContact& contact, double speed, double h)
 	const double flown = 2 * speed * h;  // depth that a body may have reached in one step
 	tank.open = true;
 	// What does not touch yet has nothing to give.
-	const double share = contact.constants.load > 0 ? kShareOfBegin : 1;
-	tank.stored = depth > flown && !(contact.ahead > 0) ? 0.5 * share * most * (1 - flown / depth) : 0;
+	tank.stored = depth > flown && !(contact.ahead > 0) ? 0.5 * most * (1 - flown / depth) : 0;
+	if (contact.constants.load > 0) tank.stored = std::min(kShareOfBegin * tank.stored, energyToPart(contact, depth));
 	return turned;
 }
 
