@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace
 {
@@ -266,16 +267,24 @@ void notePressed(btISTContact& contact, const ist::Vec3& normalImpulse, double h
 	if (isFinite(change)) contact.pressed += change;
 }
 
-void leaveOutRolling(btContactPatch& patch, double height, double rolled, bool fromDamping)
+void leaveOutRolling(btContactPatch& patch, const btISTContact& contact, double curvature, const ist::Vec3& spin, double h)
 {
-	const double force = norm(patch.wrench.force), beyond = force * height * kRolledPerRadius * rolled / patch.frictionRadius;
-	if (!(force * height > 0) || !std::isfinite(beyond)) return;
+	const double moment = norm(patch.wrench.force) / curvature;
+	const double rolled = h / curvature * norm(spin - dot(spin, patch.normal) * patch.normal);
+	const double beyond = moment * kRolledPerRadius * rolled / patch.frictionRadius;
+	if (!(moment > 0) || !std::isfinite(beyond)) return;
 	Matrix3 K;
 	for (int i = 0; i < 3; ++i)
 		for (int j = 0; j < 3; ++j) K(i, j) = patch.stiffness(3 + std::min(i, j), 3 + std::max(i, j));
 	const RollingAxes axes(K, patch.normal);
-	scaleRotations(patch.stiffness, axes.without(force * height + beyond));
-	if (fromDamping) scaleRotations(patch.damping, axes.without(kDampedRolling * beyond));
+	scaleRotations(patch.stiffness, axes.without(moment + beyond));
+	if (contact.constants.freeRolling) scaleRotations(patch.damping, axes.without(kDampedRolling * beyond));
+}
+
+double rollingCurvature(const btContactPatch& patch, const ist::Vec3& center, double side)
+{
+	const double height = side * dot(center - patch.point, patch.normal);
+	return height > 0 ? 1 / height : std::numeric_limits<double>::infinity();
 }
 
 void multiply(btContactPatch& patch, double factor)

@@ -31,16 +31,19 @@ bool evaluateContactPatch(const btISTContact& contact, int patchIndex, btContact
 /// Changes the stiffness of an evaluated patch by `factor`. All of its forces, its stiffness and its damping are proportional to k.
 void multiply(btContactPatch& patch, double factor);
 
-/// Leaves out of the stiffness of an evaluated patch what a body that rolls does not feel. `height` [m]: of the centre of mass above the
-/// patch's point, against the force. `rolled` [m]: how far the body rolls in the step.
+/// Leaves out of the stiffness of an evaluated patch on a plane what a body that rolls does not feel. H [m]: height of the centre of mass
+/// above the patch's point, against the force. `curvature`: 1 / H; of two bodies that can move, the sum of theirs, as that of balls that
+/// roll on each other. `spin`: twist of A less that of B [rad/s], in a step `h`.
 /// - A rotation about the point moves the force on, and the centre of mass with it. Only what the stiffness of rotation has beyond the
-///   force times `height` turns the body back; for a ball on a plane there is none. The solver keeps the lever arms of the beginning of
-///   the step, so its stiffness must leave the other part out.
+///   force times H turns the body back; for a ball on a plane there is none. The solver keeps the lever arms of the beginning of the step,
+///   so its stiffness must leave the other part out.
 /// - The stiffness holds for rotations within the patch. Beyond, other elements of the surface press, whose steps add up to no stiffness:
-///   the part grows with `rolled` over the friction radius.
-/// `fromDamping`: half of this part is left out of the damping too, so that a body hardly feels it while it rolls fast.
+///   the part grows with the way that the body rolls, over the friction radius. Where no dissipation was set, half of this part is left
+///   out of the damping too, so that a body hardly feels it while it rolls fast.
 /// Cost: O(1).
-void leaveOutRolling(btContactPatch& patch, double height, double rolled, bool fromDamping);
+void leaveOutRolling(btContactPatch& patch, const btISTContact& contact, double curvature, const ist::Vec3& spin, double h);
+/// 1 / H for one body [1/m]. `center`: of its mass. `side`: 1 for A, -1 for B. Infinite for a centre that does not stand above the patch.
+double rollingCurvature(const btContactPatch& patch, const ist::Vec3& center, double side);
 
 /// Largest default stiffness, as the dimensionless number h^2 k A / m: step h, contact area A, and mass m that rests on the contact. It
 /// is one tenth of the bound in docs/stability.md.

@@ -170,7 +170,7 @@ void btVolumetricIslands::carryLoads(const btSolverBody* bodies)
 		}
 }
 
-/// On a plane, contact moves on with a body that rolls. The height of two bodies that can move is that of balls that roll on each other.
+/// On a plane, contact moves on with a body that rolls.
 void btVolumetricIslands::leaveOutRolling(const btSolverBody* bodies)
 {
 	for (Entry& e : m_entries)
@@ -181,13 +181,9 @@ void btVolumetricIslands::leaveOutRolling(const btSolverBody* bodies)
 		{
 			const btSolverBody& body = bodies[side == 0 ? e.bodyA : e.bodyB];
 			if (!canMove(body)) continue;
-			const ist::Vec3 arm = toVec3(body.getWorldTransform().getOrigin()) - e.patch.point;
-			const double height = (side == 0 ? 1 : -1) * dot(arm, e.patch.normal);
-			curvature += height > 0 ? 1 / height : std::numeric_limits<double>::infinity();
+			curvature += rollingCurvature(e.patch, toVec3(body.getWorldTransform().getOrigin()), side == 0 ? 1 : -1);
 		}
-		const ist::Vec3 spin = freeTwist(e, bodies).angular;
-		const double rolled = m_step / curvature * norm(spin - dot(spin, e.patch.normal) * e.patch.normal);
-		::leaveOutRolling(e.patch, 1 / curvature, rolled, e.contact->constants.freeRolling);
+		::leaveOutRolling(e.patch, *e.contact, curvature, freeTwist(e, bodies).angular, m_step);
 	}
 }
 

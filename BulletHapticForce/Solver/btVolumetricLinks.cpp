@@ -232,10 +232,22 @@ void btVolumetricLinks::add(btISTContact& contact, const Side& a, const Side& b,
 	for (size_t i = first; i < m_entries.size(); ++i)
 	{
 		multiply(m_entries[i].patch, factor);
+		leaveOutRolling(m_entries[i], relative(m_entries[i], bodies, state(m_entries[i], bodies, data)).angular, h);
 		m_entries[i].row.prepare(m_entries[i].patch, responses[i - first], h, friction);
 	}
 	const double speed = norm(relative(m_entries[first], bodies, state(m_entries[first], bodies, data)).linear);
 	statistics.contactsTurnedOver += btContactEnergyTank::begin(contact, speed, h);
+}
+
+/// On a plane, contact moves on with a body that rolls.
+void btVolumetricLinks::leaveOutRolling(Entry& e, const ist::Vec3& spin, double h)
+{
+	if (!(e.contact->patches[e.patchIndex].foundationVolume > 0)) return;
+	double curvature = 0;
+	for (const btCollisionObject* object : {e.contact->bodyA, e.contact->bodyB})
+		if (!object->isStaticOrKinematicObject())
+			curvature += rollingCurvature(e.patch, toVec3(object->getWorldTransform().getOrigin()), object == e.contact->bodyA ? 1 : -1);
+	::leaveOutRolling(e.patch, *e.contact, curvature, spin, h);
 }
 
 void btVolumetricLinks::appendTouched(std::vector<int>& touched) const

@@ -89,6 +89,7 @@ private:
 	/// Change of a degree of freedom's velocity by an impulse at the patch, force first.
 	double responseOf(const PlacedSide& side, int dof, const double* impulse) const;
 	void addResponse(const Entry& e, const ist::Wrench& impulse, const btSolverBody* bodies, Motion& motion) const;
+	static void leaveOutRolling(Entry& e, const ist::Vec3& spin, double h);
 	ist::Twist relative(const Entry& e, const btSolverBody* bodies, const Motion& motion) const;
 	ist::SymmetricMatrix6 responseOf(const Entry& e, const btSolverBody* bodies);
 	const Motion& state(const Entry& e, const btSolverBody* bodies, const btMultiBodyJacobianData& data);
