@@ -41,8 +41,15 @@ btISTFreeMotion btISTFreeMotion::of(const btCollisionObject* object, double step
 
 ist::Pose btISTFreeMotion::after(double time, const ist::Pose& X_WS) const
 {
+	ist::Pose X = turned(time, X_WS);
+	X.translation += time * twist.linear;
+	return X;
+}
+
+ist::Pose btISTFreeMotion::turned(double time, const ist::Pose& X_WS) const
+{
 	const ist::Mat3 turn = ist::rotationMatrix(ist::quaternionFromRotationVector(time * twist.angular));
-	return {turn * X_WS.rotation, center + time * twist.linear + turn * (X_WS.translation - center)};
+	return {turn * X_WS.rotation, center + turn * (X_WS.translation - center)};
 }
 
 /// Upper bound of the motion of any point of one body relative to the other in the step [m].
@@ -82,7 +89,8 @@ void btISTFirstTouch::approachTouch(double apart, double touching, const ist::Po
 		m_query.queryAt(contact, workspace);
 	}
 	contact.ahead = touching;
-	if (squaredNorm(m_b.twist.linear) > squaredNorm(m_a.twist.linear)) contact.X_WA = X_WB * inverse(contact.X_AB);
+	const bool fasterB = squaredNorm(m_b.twist.linear) > squaredNorm(m_a.twist.linear);
+	contact.X_WA = fasterB ? m_b.turned(touching, X_WB) * inverse(contact.X_AB) : m_a.turned(touching, X_WA);
 }
 
 bool btISTFirstTouch::find(btISTContact& contact, ist::QueryWorkspace& workspace) const

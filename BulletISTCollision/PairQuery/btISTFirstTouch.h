@@ -13,6 +13,8 @@ struct btISTFreeMotion
 	static btISTFreeMotion of(const btCollisionObject* object, double step);
 	/// Pose after `time` [s] of what has the pose X_WS now and moves with the body.
 	ist::Pose after(double time, const ist::Pose& X_WS) const;
+	/// The same without the motion of the centre of mass: the lever arms of `after`, about the present centre.
+	ist::Pose turned(double time, const ist::Pose& X_WS) const;
 };
 
 /// Finds the first touch of two bodies that would meet within a step, so that a solver can stop them there. Where bodies move by a
@@ -28,9 +30,9 @@ public:
 		  m_step(step)
 	{}
 	/// For a contact without overlap at its X_WA and X_AB. If the bodies touch within the step, gives the contact the sums of that touch
-	/// and sets `ahead`; X_WA is then the pose that makes the lever arms right for the faster body. Otherwise leaves the contact without
-	/// overlap. Between the poses that it asks, a body moves by at most half of the thinner one's thickness, as long as kMostQueries
-	/// suffice. Returns false where they did not. No allocation.
+	/// and sets `ahead`; X_WA then has the rotation of that touch, and makes the lever arms right for the faster body. Otherwise leaves the
+	/// contact without overlap. Between the poses that it asks, a body moves by at most half of the thinner one's thickness, as long as
+	/// kMostQueries suffice. Returns false where they did not. No allocation.
 	bool find(btISTContact& contact, ist::QueryWorkspace& workspace) const;
 
 	static constexpr int kMostQueries = 64;
