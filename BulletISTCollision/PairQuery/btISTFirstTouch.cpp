@@ -90,7 +90,9 @@ void btISTFirstTouch::approachTouch(double apart, double touching, const ist::Po
 	}
 	contact.ahead = touching;
 	const bool fasterB = squaredNorm(m_b.twist.linear) > squaredNorm(m_a.twist.linear);
-	contact.X_WA = fasterB ? m_b.turned(touching, X_WB) * inverse(contact.X_AB) : m_a.turned(touching, X_WA);
+	// With the lever arms of the turned body, some of two tumbling trees were not held by a thin plate. A ball that rolls needs them.
+	const double turning = contact.treeB ? 0 : touching;
+	contact.X_WA = fasterB ? m_b.turned(turning, X_WB) * inverse(contact.X_AB) : m_a.turned(turning, X_WA);
 }
 
 bool btISTFirstTouch::find(btISTContact& contact, ist::QueryWorkspace& workspace) const

@@ -30,9 +30,9 @@ public:
 		  m_step(step)
 	{}
 	/// For a contact without overlap at its X_WA and X_AB. If the bodies touch within the step, gives the contact the sums of that touch
-	/// and sets `ahead`; X_WA then has the rotation of that touch, and makes the lever arms right for the faster body. Otherwise leaves the
-	/// contact without overlap. Between the poses that it asks, a body moves by at most half of the thinner one's thickness, as long as
-	/// kMostQueries suffice. Returns false where they did not. No allocation.
+	/// and sets `ahead`; X_WA then makes the lever arms right for the faster body; with a closed form it has the rotation of that touch.
+	/// Otherwise leaves the contact without overlap. Between the poses that it asks, a body moves by at most half of the thinner one's
+	/// thickness, as long as kMostQueries suffice. Returns false where they did not. No allocation.
 	bool find(btISTContact& contact, ist::QueryWorkspace& workspace) const;
 
 	static constexpr int kMostQueries = 64;
