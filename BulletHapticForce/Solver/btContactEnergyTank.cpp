@@ -147,7 +147,12 @@ btISTContactWork btContactEnergyTank::workOf(const btEnergyTankPatch* patches, i
 		const double force = norm(p.patch.wrench.force), normal = dot(p.elastic.force, p.patch.normal);
 		double dissipated = 0;
 		if (force > 0 && normal > 0)
-			dissipated = normal * work(drag, u) / force / std::max(1 - dot(drag.force, p.patch.normal) / force, kLeastPressure);
+		{
+			// The damping takes no more of the pressure than leaves its least, however fast the bodies part.
+			const double taken = dot(drag.force, p.patch.normal) / force;
+			const double acted = taken > 1 - kLeastPressure ? (1 - kLeastPressure) / taken : 1;
+			dissipated = normal * acted * work(drag, u) / force / (1 - acted * taken);
+		}
 		sum.damping -= dissipated;
 		sum.elastic += work(p.elastic, u) + dissipated;
 		sum.friction += work(p.impulse - p.elastic, u);

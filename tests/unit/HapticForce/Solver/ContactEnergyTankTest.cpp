@@ -94,3 +94,23 @@ TEST(btContactEnergyTank, PaysForPlacedOverlapAndNotForFlight)
 	EXPECT_EQ(opened(1), 0);
 	EXPECT_GT(opened(0.1), 0);
 }
+
+// The oracle is Hunt and Crossley's law: the pressure is the elastic one times 1 - dissipation * speed, and at least a half of it.
+TEST(btContactEnergyTank, DividesTheWorkAsTheLawDoesHoweverFastTheBodiesPart)
+{
+	const double force = 50, dissipation = 5, impulse = 0.3;
+	for (const double speed : {-3.0, -0.1, 0.02, 0.1, 0.3, 7.0})  // positive: the bodies part
+	{
+		btEnergyTankPatch p;
+		p.patch.normal = {0, 0, 1};
+		p.patch.wrench = {force * p.patch.normal, {}};
+		p.patch.damping(2, 2) = force * dissipation;
+		p.impulse = p.elastic = {impulse * p.patch.normal, {}};
+		p.before = p.after = {speed * p.patch.normal, {}};
+		const btISTContactWork work = btContactEnergyTank::workOf(&p, 1);
+		const double factor = std::max(1 - dissipation * speed, 0.5);
+		EXPECT_NEAR(work.elastic, impulse / factor * speed, 1e-12) << speed;
+		EXPECT_NEAR(work.damping, impulse * (1 - 1 / factor) * speed, 1e-12) << speed;
+		EXPECT_EQ(work.friction, 0);
+	}
+}
