@@ -79,16 +79,18 @@ void ConvexRegion::clip(const DepthNode& node, int side)
 	m_faces = std::move(kept);
 }
 
+std::vector<Vec3> ConvexRegion::corners() const
+{
+	std::vector<Vec3> all;
+	for (const Polygon& face : m_faces) all.insert(all.end(), face.begin(), face.end());
+	return all;
+}
+
 Vec3 ConvexRegion::center() const
 {
+	const std::vector<Vec3> all = corners();
 	Vec3 sum;
-	size_t count = 0;
-	for (const Polygon& face : m_faces)
-		for (const Vec3& x : face)
-		{
-			sum += x;
-			++count;
-		}
-	return count ? sum / double(count) : sum;
+	for (const Vec3& x : all) sum += x;
+	return all.empty() ? sum : sum / double(all.size());
 }
 }  // namespace ist

@@ -27,7 +27,8 @@ public:
 	using Polygon = std::vector<Vec3>;
 	const std::vector<Polygon>& faces() const { return m_faces; }
 	bool empty() const { return m_faces.empty(); }
-	Vec3 center() const;  ///< mean of the corners
+	std::vector<Vec3> corners() const;  ///< of all faces: a corner comes once for each face that it belongs to
+	Vec3 center() const;                ///< mean of the corners
 
 private:
 	std::vector<Polygon> m_faces;

@@ -59,11 +59,15 @@ Result<DepthField> buildDepthField(const MeshDistance& surface, const DepthField
 		samples = sampleDepth(surface, sampling, sampled);
 		if (samples.empty()) return cancelled;
 		misfits += partition.addMisfits(samples);
+		if (sampling.stream == kMostRounds) misfits += partition.addMisfitsOutside(surface, sampling.domain, sampling.stream);
 		if (misfits == 0 && partition.cellCount() < most) break;
 		const size_t rest = cells - std::min(cells, partition.cellCount());
 		most = sampling.stream == kMostRounds ? cells : partition.cellCount() + size_t(kShareOfRest * double(rest));
 		if (!partition.split(most, split)) return cancelled;
 	}
+	// The last cells have not been looked at yet.
+	for (uint64_t round = 0; round < kMostRounds && partition.addMisfitsOutside(surface, sampling.domain, sampling.stream + round); ++round)
+		if (!partition.split(cells, split)) return cancelled;
 	if (!split(1)) return cancelled;
 	return partition.field(mesh, sampling.domain);
 }

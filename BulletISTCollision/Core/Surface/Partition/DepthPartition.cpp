@@ -32,7 +32,8 @@ constexpr size_t kLargestBatch = 4096;
 constexpr double kLeastSlope = 0.3;  // of a quadric whose gradient says where outside is
 constexpr double kSlack = 0.05;      // of the spacing; the corners of an element stand this far above a curved surface
 constexpr double kNever = -1;        // priority of a node that is not split
-constexpr uint64_t kPlaneStream = 12;
+constexpr uint64_t kPlaneStream = 12, kOutsideStream = 64;
+constexpr int kOutsidePoints = 48;  // in each cell, to look for a positive depth outside of the body
 
 DepthCell cellOf(const QuadricFit& fit)
 {
@@ -54,6 +55,21 @@ Vec3 middleOf(const std::vector<Vec3>& polygon)
 	Vec3 sum;
 	for (const Vec3& p : polygon) sum += p;
 	return sum / double(polygon.size());
+}
+
+/// A point between four of the corners of a convex region.
+Vec3 randomPoint(const std::vector<Vec3>& corners, CounterRandom& random)
+{
+	Vec3 sum;
+	double weights = 0;
+	for (int k = 0; k < 4; ++k)
+	{
+		const size_t corner = std::min(corners.size() - 1, size_t(random.next() * double(corners.size())));
+		const double weight = -std::log1p(-random.next());
+		sum += weight * corners[corner];
+		weights += weight;
+	}
+	return weights > 0 ? sum / weights : corners.front();
 }
 
 double areaOf(const std::vector<Vec3>& polygon)
@@ -210,6 +226,49 @@ size_t DepthPartition::addMisfitsOfSurface(const Mesh& mesh)
 			if (share > 0 && isMisfit(part, s) && partAt(s.position) == part) misfits.push_back({part, s});
 		}
 	});
+	const size_t count = misfits.size();
+	insert(std::move(misfits));
+	return count;
+}
+
+/// Adds the region of each cell below a node to `regions`, by its part.
+void DepthPartition::regionsOf(size_t node, ConvexRegion region, std::vector<ConvexRegion>& regions) const
+{
+	if (m_nodes[node].isCell())
+	{
+		regions[m_nodes[node].cell()] = std::move(region);
+		return;
+	}
+	ConvexRegion first = region;
+	first.clip(m_nodes[node], 0);
+	regionsOf(m_nodes[node].child, std::move(first), regions);
+	region.clip(m_nodes[node], 1);
+	regionsOf(m_nodes[node].child + 1, std::move(region), regions);
+}
+
+size_t DepthPartition::addMisfitsOutside(const MeshDistance& surface, const Box& domain, uint64_t stream)
+{
+	std::vector<ConvexRegion> regions(m_parts.size(), ConvexRegion(domain));
+	regionsOf(0, ConvexRegion(domain), regions);
+	std::vector<std::vector<Misfit>> found(m_parts.size());
+#pragma omp parallel for schedule(dynamic, 16) num_threads(m_options.threads)
+	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(m_parts.size()); ++i)
+	{
+		const size_t part = size_t(i);
+		const std::vector<Vec3> corners = regions[part].corners();
+		if (corners.empty() || m_parts[part].fit.within == 0) continue;
+		CounterRandom random(m_options.seed, kOutsideStream + stream, part);
+		for (int k = 0; k < kOutsidePoints; ++k)
+		{
+			const Vec3 x = randomPoint(corners, random);
+			if (!(m_parts[part].fit.quadric.depthAt(x) > 0) || surface.contains(x)) continue;
+			const MeshDistance::Field f = surface.field(x, false);
+			const DepthSample s{x, f.depth, f.normal, weightOfDepth(f.depth, m_options.spacing)};
+			if (isMisfit(part, s) && partAt(x) == part) found[part].push_back({part, s});
+		}
+	}
+	std::vector<Misfit> misfits;
+	for (const std::vector<Misfit>& ofPart : found) misfits.insert(misfits.end(), ofPart.begin(), ofPart.end());
 	const size_t count = misfits.size();
 	insert(std::move(misfits));
 	return count;

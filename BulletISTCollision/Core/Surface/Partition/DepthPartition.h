@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletISTCollision/Core/Surface/ConvexRegion.h"
 #include "BulletISTCollision/Core/Surface/DepthField.h"
 #include "BulletISTCollision/Core/Surface/Partition/QuadricFit.h"
 
@@ -39,6 +40,10 @@ public:
 	/// Adds points of the surface in every cell that the field does not match, in the same way.
 	size_t addMisfitsOfSurface(const Mesh& mesh);
 
+	/// Adds points outside of the body where a cell's depth is positive, in the same way. Looks in every cell, however thin, so that none
+	/// reaches out of the body between the samples. `stream`: each gives other points.
+	size_t addMisfitsOutside(const MeshDistance& surface, const Box& domain, uint64_t stream);
+
 	size_t cellCount() const { return m_parts.size(); }
 	bool isFull() const { return m_parts.size() >= m_options.cells; }
 	DepthField field(const Mesh& mesh, const Box& domain) const;
@@ -66,6 +71,7 @@ private:
 
 	std::span<const DepthSample> samplesOf(const Part& part) const { return {m_samples.data() + part.begin, part.end - part.begin}; }
 	size_t partAt(const Vec3& x) const;
+	void regionsOf(size_t node, ConvexRegion region, std::vector<ConvexRegion>& regions) const;
 	bool isMisfit(size_t part, const DepthSample& sample) const;
 	bool takeBatch(size_t most, std::vector<size_t>& batch);
 	Part partOf(size_t begin, size_t end, size_t node) const;

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Base/CounterRandom.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "tests/NotchedBeam.h"
 
 #include <gtest/gtest.h>
 
@@ -256,6 +257,25 @@ TEST(DepthField, FollowsACylinderAndItsBore)
 	// In the bore and around the cylinder there is no body.
 	for (const double r : {0.0, 0.03, 0.055, 0.106})
 		for (double angle = 0; angle < 6; angle += 0.1) EXPECT_LT(field.at({r * std::cos(angle), r * std::sin(angle), 0.1}).depth, 0) << r;
+}
+
+// A thin cell of a side wall once reached through the whole notch, with the depth of the top: a beam of the width of the notch was held.
+// The oracle is the distance in closed form.
+TEST(DepthField, IsNegativeInTheNotchOfABeam)
+{
+	for (const double notch : {0.04, 0.042, 0.05})
+	{
+		const MeshDistance surface(notchedBeamMesh(notch));
+		const DepthField field = fieldOf(surface, 1000);
+		for (size_t i = 0; i < 200000; ++i)
+		{
+			CounterRandom random(31, 1, i);
+			const double x = (random.next() - 0.5) * notch, y = 0.06 * random.next(), z = 0.04 * random.next() - 0.02;
+			const double away = std::min(0.5 * notch - std::fabs(x), y);
+			if (away < 2e-4) continue;
+			ASSERT_LT(field.at({x, y, z}).depth, 0) << notch << ": " << x << " " << y << " " << z;
+		}
+	}
 }
 
 TEST(DepthField, GradientIsThatOfTheDepth)
