@@ -530,6 +530,9 @@ void FaceCollector::addFace(const ElementPolygon& polygon, const ElementQuadrati
 	ContactFace* face = m_list.next();
 	if (!face) return;
 	const double w = m_areaScale, s = double(m.s) / m.area, t = double(m.t) / m.area;
+	float top = d.at(float(s), float(t));
+	for (int i = 0; i < polygon.count; ++i) top = std::max(top, d.at(polygon.s[i], polygon.t[i]));
+	const double area = w * m.area * std::min(1.0, integral / (double(kLeastMean) * m.area * std::max(top, 1e-30f)));
 	// First moments of the depth, from its tangent plane at the centroid.
 	const double slopeS = d.cs + double(d.css) * s + double(d.cst) * t, slopeT = d.ct + double(d.cst) * s + double(d.ctt) * t;
 	const double varS = m.ss - double(m.s) * s, varST = m.st - double(m.s) * t, varT = m.tt - double(m.t) * t;
@@ -539,14 +542,15 @@ void FaceCollector::addFace(const ElementPolygon& polygon, const ElementQuadrati
 	const Vec3 onPlane = m_center + s * m_e1 + t * m_e2;
 	const double height = (m_k11 + m_k22) / 6 - 0.5 * (m_k11 * m.ss + 2 * m_k12 * m.st + m_k22 * m.tt) / m.area;
 	face->center = onPlane + height * m_unitNormal;
-	face->areaNormal = (w * m.area) * (m_normal + s * m_normalS + t * m_normalT);
+	face->areaNormal = area * (m_normal + s * m_normalS + t * m_normalT);
 	face->pressure = w * (integral * m_normal + ds * m_normalS + dt * m_normalT);
 	face->pressureCenter = m_center + (s + shiftS) * m_e1 + (t + shiftT) * m_e2 + height * m_unitNormal;
 	face->gradient = m_gradient + s * m_gradientS + t * m_gradientT;
-	setSpread(*face, w * (varS * m_e1 + varST * m_e2), w * (varST * m_e1 + varT * m_e2), m_e1, m_e2, m_normalS, m_normalT);
-	face->area = w * m.area;
+	const double spread = area / m.area;
+	setSpread(*face, spread * (varS * m_e1 + varST * m_e2), spread * (varST * m_e1 + varT * m_e2), m_e1, m_e2, m_normalS, m_normalT);
+	face->area = area;
 	face->depth = w * integral;
-	face->cut = w * m.area * (1 - share);
+	face->cut = area * (1 - share);
 	face->element = m_index;
 	face->cell = m_cell;
 }

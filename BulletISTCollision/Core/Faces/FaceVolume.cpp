@@ -17,16 +17,24 @@ void FaceVolume::addArea(const ContactFace& face)
 {
 	if (!(face.area > 0)) return;
 	m_area += face.area;
-	m_origin += face.area * face.center;
-	m_normals += SymmetricMatrix3::square(face.areaNormal) * (1 / face.area);
+	m_centroid += face.area * face.center;
+	const double weight = face.cut * face.cut;
+	m_cuts += weight;
+	m_rim += weight * face.center;
+	m_spread += SymmetricMatrix3::square(face.center) * weight;
 }
 
 void FaceVolume::fit()
 {
-	if (m_area > 0) m_origin = m_origin / m_area;
+	if (m_area > 0) m_origin = m_centroid = m_centroid / m_area;
 	SymmetricEigen<3> eigen;
-	const SymmetricMatrix3& n = m_normals;
-	const bool solved = eigen.decompose({{n.xx, n.xy, n.xz}, {n.xy, n.yy, n.yz}, {n.xz, n.yz, n.zz}});
+	bool solved = false;
+	if (m_cuts > 0)
+	{
+		m_origin = m_rim / m_cuts;
+		const SymmetricMatrix3 p = m_spread + SymmetricMatrix3::square(m_origin) * -m_cuts;
+		solved = eigen.decompose({{p.xx, p.xy, p.xz}, {p.xy, p.yy, p.yz}, {p.xz, p.yz, p.zz}});
+	}
 	for (int k = 0; k < 3; ++k)
 	{
 		if (solved) m_axes[k] = {eigen.vectors[k][0], eigen.vectors[k][1], eigen.vectors[k][2]};

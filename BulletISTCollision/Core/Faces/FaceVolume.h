@@ -7,8 +7,9 @@
 namespace ist
 {
 /// The volume that closed surfaces enclose is, for every unit vector u, the integral of (x - o).u n.u over them, with any origin o. Faces
-/// that are cut inexactly leave gaps, and each direction feels them differently: flat contact is exact along its normal and poor across it.
-/// This class weights the three directions of the faces' own frame by the inverse of their error.
+/// that are cut inexactly leave gaps along the rim of a contact, and each direction feels them differently: where the rim lies in a plane,
+/// the direction across it does not. This class takes the rim's middle and principal axes, and weights the axes by the inverse of their
+/// error.
 ///
 /// Call `addArea` for all faces, then `fit`, then `addCut` for all faces, then `finish`; then `of(face)` is a face's share of the volume.
 class FaceVolume
@@ -23,14 +24,16 @@ public:
 	/// Estimated variance of the volume, from the pieces that were cut at the other body's curved surface [m^6].
 	double variance() const;
 	/// Centroid of the faces [m].
-	const Vec3& origin() const { return m_origin; }
+	const Vec3& centroid() const { return m_centroid; }
 	/// Area of the faces [m^2].
 	double area() const { return m_area; }
 
 private:
 	double m_area = 0, m_variance[3] = {};
-	Vec3 m_origin;               // centroid of the area
-	SymmetricMatrix3 m_normals;  // integral of n n^T dS
+	Vec3 m_centroid, m_origin;
+	double m_cuts = 0;          // sum of cut^2
+	Vec3 m_rim;                 // sum of cut^2 x
+	SymmetricMatrix3 m_spread;  // sum of cut^2 x x^T
 	Vec3 m_axes[3];
 	double m_weights[3] = {};
 };

@@ -412,7 +412,7 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	forParts([&](OverlapPart& part, uint32_t number) {
 		part.volume = onFoundation ? std::max(part.columnsOfA, 0.0) : std::max({part.volume, kLeastOfColumns * part.columns, 0.0});
 		part.hasCones = part.depths.needsCones(part.volume);
-		if (part.hasCones) part.depths.beginCones(part.form.origin(), part.form.area(), number, work.cones);
+		if (part.hasCones) part.depths.beginCones(part.form.centroid(), part.form.area(), number, work.cones);
 	});
 	if (work.cones.count() > 0)
 	{

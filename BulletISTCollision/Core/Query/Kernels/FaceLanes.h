@@ -16,8 +16,9 @@ constexpr float kMostMisfit = 0.01f;
 constexpr float kCreaseMisfit = 0.1f;
 /// In cells without error, elements are cut at the planes if the depth at a corner is off by more than this share of the size.
 constexpr float kExactMisfit = 1e-4f;
-/// The zero level is taken as straight while the depth bends by less than this share of its largest value.
-constexpr float kMostBend = 1;
+/// The zero level is taken as a parabola while the depth bends by less than this share of its largest value. With more, it may cross an
+/// edge twice, and most of a shallow contact would be lost.
+constexpr float kMostBend = 0.5f;
 /// A smaller share of an element counts as nothing: rounding would decide where its center is.
 constexpr float kLeastShare = 1e-5f;
 
@@ -89,7 +90,8 @@ private:
 		put(column + 2, first, f.z, lanes);
 	}
 	IST_INLINE void putFrame(int first, const ElementLanes& e, const DepthFit& fit, const F& flush);
-	IST_INLINE void putFaces(int first, const ElementLanes& e, const RegionMoments& m, const DepthFit& fit, const F& depth, uint32_t lanes);
+	IST_INLINE void putFaces(
+		int first, const ElementLanes& e, const RegionMoments& m, const DepthFit& fit, const F& top, const F& cut, uint32_t lanes);
 	IST_INLINE void putFlush(int first, const ElementLanes& e, const F& depth, const F& flush, uint32_t lanes);
 
 	FaceSearch& m_search;
@@ -251,7 +253,7 @@ template <bool isQuarter> __attribute__((noinline)) void FaceFinder::sampleLanes
 	for (int i = 0; i < 4; ++i) inside[i] = ~F::less(corners.depth[i], all(0));
 	for (int i = 0; i < 4; ++i) exits[i] = inside[i] & ~inside[(i + 1) % 4];
 	const uint32_t once = (exits[0] ^ exits[1] ^ exits[2] ^ exits[3]) & ~(exits[0] & exits[2]) & ~(exits[1] & exits[3]);
-	const uint32_t simple = rim & once & ~F::less(all(kMostBend) * top, absolute(bend)), cut = rim & ~simple;
+	const uint32_t simple = rim & once & ~F::less(all(kMostBend) * corners.largest, absolute(bend)), cut = rim & ~simple;
 	m_batch.faces |= (whole | within | simple) << first;
 	m_batch.cut |= cut << first;
 	put(FaceBatch::Gradient, first, samples.gradient);
@@ -263,14 +265,14 @@ template <bool isQuarter> __attribute__((noinline)) void FaceFinder::sampleLanes
 	if (whole)
 	{
 		const RegionMoments m = wholeMoments(e);
-		putFaces(first, e, m, fit, all(0), kAllLanes);
+		putFaces(first, e, m, fit, top, all(0), kAllLanes);
 	}
 	if (simple)
 	{
 		const CutEdges edges = cutEdges(fit, corners, inside);
 		const RegionMoments m = insideMoments(e, edges, bulgeOf(fit, edges), inside);
 		m_batch.faces &= ~((simple & ~F::less(all(kLeastShare), m.share)) << first);
-		putFaces(first, e, m, fit, all(1), simple);
+		putFaces(first, e, m, fit, top, all(1), simple);
 	}
 	if (within) putFlush(first, e, corners.middle, flush, within);
 }
@@ -290,12 +292,14 @@ IST_INLINE void FaceFinder::putFrame(int first, const ElementLanes& e, const Dep
 	put(FaceBatch::Flush, first, flush);
 }
 
-/// Integrals over a region of each element where the depth is positive. `cut`: 1 if the region was cut off at the zero level, otherwise 0.
+/// Integrals over a region of each element where the depth is positive. `top`: the largest depth. `cut`: 1 if the region was cut off at the
+/// zero level, otherwise 0.
 IST_INLINE void FaceFinder::putFaces(
-	int first, const ElementLanes& e, const RegionMoments& m, const DepthFit& fit, const F& cut, uint32_t lanes)
+	int first, const ElementLanes& e, const RegionMoments& m, const DepthFit& fit, const F& top, const F& cut, uint32_t lanes)
 {
-	const F area = m.share * e.area, half = all(0.5f);
+	const F half = all(0.5f);
 	const F depth = fit.at(m.s, m.t) + half * (fit.css * m.varS + fit.ctt * m.varT) + fit.cst * m.cov;
+	const F whole = m.share * e.area, area = whole * F::smaller(all(1), depth / (all(kLeastMean) * F::larger(top, all(1e-30f))));
 	// First moments of the depth, from its tangent plane at the centroid.
 	const F slopeS = fit.slopeS(m.s, m.t), slopeT = fit.slopeT(m.s, m.t);
 	const F inverse = all(1) / F::larger(depth, all(1e-30f));
@@ -311,12 +315,12 @@ IST_INLINE void FaceFinder::putFaces(
 	const F3 center = e.center + m.s * e.e1 + m.t * e.e2 + height * e.unit, normal = e.normal + m.s * e.normalS + m.t * e.normalT;
 	put(FaceBatch::FaceCenter, first, center, lanes);
 	put(FaceBatch::AreaNormal, first, area * normal, lanes);
-	put(FaceBatch::Pressure, first, area * (depth * normal + ds * e.normalS + dt * e.normalT), lanes);
+	put(FaceBatch::Pressure, first, whole * (depth * normal + ds * e.normalS + dt * e.normalT), lanes);
 	put(FaceBatch::PressureCenter, first, center + shiftS * e.e1 + shiftT * e.e2, lanes);
 	put(FaceBatch::SpreadS, first, area * (m.varS * e.e1 + m.cov * e.e2), lanes);
 	put(FaceBatch::SpreadT, first, area * (m.cov * e.e1 + m.varT * e.e2), lanes);
 	put(FaceBatch::Area, first, area, lanes);
-	put(FaceBatch::DepthIntegral, first, area * depth, lanes);
+	put(FaceBatch::DepthIntegral, first, whole * depth, lanes);
 	put(FaceBatch::CutArea, first, cut * area * (all(1) - m.share), lanes);
 }
 

@@ -17,6 +17,9 @@ constexpr float kFlushErrors = 2;
 constexpr float kFarthestRadii = 10, kLeastErrorOfRadius = 1e-3f;
 /// Share of a flush face that counts as cut: whether it is inside is not known, and neighbours err alike.
 constexpr float kFlushCut = 1.6f;
+/// Least mean depth of a face as a share of its largest depth; a depth that falls to zero like a square has 1/6. A face with less was cut
+/// so roughly that depths outside cancel those inside. Its area counts less, so that none vanishes at once when they cancel wholly.
+constexpr float kLeastMean = 0.125f;
 
 /// Elements, or quarters of elements, that may lie inside the body of a field. All is in the field's frame.
 struct FaceBatch
