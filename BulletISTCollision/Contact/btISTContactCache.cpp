@@ -31,6 +31,15 @@ ist::Vec3 forceOf(const btISTContact& c) { return ist::pressureWrench(c.total, w
 
 double referenceForce(const btISTContact& c) { return std::max(norm(forceOf(c)), floorOf(c)); }
 
+/// Distance of the rim of the contact from its centroid, from the spread of the overlap [m].
+double rimOf(const ist::OverlapIntegrals& total)
+{
+	constexpr double kRimPerRms = 2;  // 1.4 for a disc
+	const ist::Vec3 centroid = total.firstMoment / total.volume;
+	const double square = (total.secondMoment[0] + total.secondMoment[1] + total.secondMoment[2]) / total.volume - dot(centroid, centroid);
+	return kRimPerRms * std::sqrt(std::max(square, 0.0));
+}
+
 /// Way after which what does not touch yet may matter [m].
 double motionLimit(const btISTContact& c, double tolerance)
 {
@@ -87,8 +96,9 @@ bool btISTCachedResult::follow(btISTContact& contact, double tolerance)
 	if (!(contact.total.volume > 0)) return false;
 	const ist::Vec3 &origin = contact.treeA->origin, centroid = contact.total.firstMoment / contact.total.volume;
 	const ist::Twist sinceAsked = ist::motionOfB(m_X_asked, contact.X_AB, origin + centroid);
-	const double moved = std::max(
-		norm(sinceAsked.angular) / allowed, norm(sinceAsked.linear) / (m_trust * motionLimit(contact, tolerance)));
+	// A shallow contact that tilts opens at its rim.
+	const double turned = norm(sinceAsked.angular), way = norm(sinceAsked.linear) + turned * rimOf(contact.total);
+	const double moved = std::max(turned / allowed, way / (m_trust * motionLimit(contact, tolerance)));
 	if (!(moved <= kWorthLearning)) return false;
 
 	const ist::Twist motion = ist::motionOfB(m_X_last, contact.X_AB, origin);

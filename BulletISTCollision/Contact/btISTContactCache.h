@@ -51,10 +51,10 @@ struct btISTQueryCost
 ///
 /// While the bodies are apart, the result is reused until a point of one may have approached the other by the clearance that the query
 /// left (LeafClearance.h). While they touch, the pair is queried again in three cases: the sum over the patches of the first-order force
-/// change exceeds a quarter of the tolerance; the rotation does; or the bodies have moved by a quarter of the sum of their errorLength(),
-/// or, if surfaces touch and that is less, by the tolerance's share of the depth. The last limit exists because what does not touch yet is
-/// not foreseen. A reused result follows the motion to first order (RelativeMotion.h). Its error is measured at the next query. If it
-/// exceeds half of the tolerance, the pair's limits are halved; they grow again slowly.
+/// change exceeds a quarter of the tolerance; the rotation does; or the bodies have moved at the rim of the contact by a quarter of the sum
+/// of their errorLength(), or, if surfaces touch and that is less, by the tolerance's share of the depth. The last limit exists because
+/// what does not touch yet, and what parts, is not foreseen. A reused result follows the motion to first order (RelativeMotion.h). Its
+/// error is measured at the next query. If it exceeds half of the tolerance, the pair's limits are halved; they grow again slowly.
 class btISTCachedResult
 {
 public:

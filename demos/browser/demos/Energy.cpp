@@ -56,7 +56,7 @@ protected:
 		{
 			BodySetup body;
 			body.name = i < kBalls ? "ball " + std::to_string(i + 1) : "knot";
-			body.stiffness = 5e6;
+			body.stiffness = 1.5e7;
 			body.dissipation = m_dissipation;
 			body.friction = m_friction;
 			body.colour = bodyColour(i);

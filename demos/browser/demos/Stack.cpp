@@ -52,7 +52,7 @@ protected:
 			BodySetup ring;
 			ring.name = "ring " + std::to_string(i + 1);
 			ring.mass = kMass;
-			ring.stiffness = 2e6;
+			ring.stiffness = 5e6;
 			ring.friction = 0.8;
 			ring.colour = bodyColour(i);
 			ring.X_WM.translation = {1e-3 * m_offset * ((i % 2) - 0.5), kTube * (2 * i + 1) + 1e-3 * i, 0};
@@ -61,7 +61,7 @@ protected:
 		BodySetup knot;
 		knot.name = "knot";
 		knot.mass = kMass;
-		knot.stiffness = 2e6;
+		knot.stiffness = 5e6;
 		knot.friction = 0.8;
 		knot.colour = bodyColour(5);
 		knot.X_WM.translation = {0, 2 * kTube * kRings - bounds(m_knot->mesh).lower.y + 0.03, 0};
