@@ -2,10 +2,12 @@
 #include "DeviceBridge/Bullet/BulletWorldCoupling.h"
 
 #include "BulletISTCollision/Registry/btISTConversion.h"
+#include "DeviceBridge/Bullet/BulletLinks.h"
 #include "DeviceBridge/Bullet/BulletShapeParts.h"
 
 #include "BulletCollision/CollisionDispatch/btManifoldResult.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
+#include "BulletDynamics/Featherstone/btMultiBodyLinkCollider.h"
 #include "LinearMath/btMotionState.h"
 
 #include <algorithm>
@@ -59,7 +61,8 @@ ist::Vec3 freely(const ist::Vec3& response, const ist::Vec3& whole)
 BulletWorldCoupling::BulletWorldCoupling(btDynamicsWorld& world, btISTRegistration& registration, const btISTPairRule& rule)
 	: m_world(world),
 	  m_registration(registration),
-	  m_rule(rule)
+	  m_rule(rule),
+	  m_links(std::make_unique<BulletLinks>())
 {
 	m_registration.store().sumDamping(true);  // the hands need the damping, with any solver
 }
@@ -103,6 +106,8 @@ void BulletWorldCoupling::forget(const btCollisionObject* body)
 	m_unfelt.erase(
 		std::remove_if(m_unfelt.begin(), m_unfelt.end(), [&](const BulletUnfeltBody& u) { return u.body == body; }), m_unfelt.end());
 	m_pushed.erase(std::remove_if(m_pushed.begin(), m_pushed.end(), [&](const Pushed& p) { return p.body == body; }), m_pushed.end());
+	m_pushedLinks.erase(std::remove_if(m_pushedLinks.begin(), m_pushedLinks.end(), [&](const PushedLink& p) { return p.link == body; }),
+		m_pushedLinks.end());
 }
 
 void BulletWorldCoupling::step(double seconds)
@@ -116,6 +121,7 @@ void BulletWorldCoupling::step(double seconds)
 bool BulletWorldCoupling::begin(double seconds)
 {
 	m_pushed.clear();
+	m_pushedLinks.clear();
 	m_seconds = seconds > 0 && std::isfinite(seconds) ? seconds : 0;
 	return m_seconds > 0;
 }
@@ -157,13 +163,46 @@ void BulletWorldCoupling::push(Hand& hand, int slot)
 	const WorldMirror::Taken& taken = hand.source->mirror().taken(slot);
 	hand.applied += taken.impulse.force;
 	const double size = norm(taken.impulse.force);
-	btRigidBody* body = btRigidBody::upcast(hand.tenants[std::size_t(slot)].object);
-	if (!movable(body) || (size == 0 && norm(taken.impulse.torque) == 0)) return;
+	btCollisionObject* object = hand.tenants[std::size_t(slot)].object;
+	if (size == 0 && norm(taken.impulse.torque) == 0) return;
+	if (const auto* link = btMultiBodyLinkCollider::upcast(object)) return pushLink(*link, taken.impulse);
+	btRigidBody* body = btRigidBody::upcast(object);
+	if (!movable(body)) return;
 	auto found = std::find_if(m_pushed.begin(), m_pushed.end(), [&](const Pushed& p) { return p.body == body; });
 	if (found == m_pushed.end())
 		found = m_pushed.insert(m_pushed.end(), {body, {toVec3(body->getLinearVelocity()), toVec3(body->getAngularVelocity())}, {}, 0});
 	found->impulse = found->impulse + taken.impulse;
 	found->share += size * taken.share;
+}
+
+void BulletWorldCoupling::pushLink(const btMultiBodyLinkCollider& link, const ist::Wrench& impulse)
+{
+	if (link.isStaticOrKinematicObject()) return;
+	BulletLinks::push(link, {impulse.force / m_seconds, impulse.torque / m_seconds});
+	MirroredBody now;
+	now.X_WB = toRigidPose(link.getWorldTransform());
+	m_links->describe(link, now);
+	PushedLink pushed{&link, impulse.force, now.twist.linear, {}};
+	for (int i = 0; i < 3; ++i) pushed.expected[i] = now.inverseMass[i] * impulse.force[i];
+	m_pushedLinks.push_back(pushed);
+}
+
+void BulletWorldCoupling::describeLink(Hand& hand, int slot, const btMultiBodyLinkCollider& link)
+{
+	MirroredBody& out = hand.source->mirror().body(slot);
+	double& response = hand.tenants[std::size_t(slot)].response;
+	if (!m_stepped) return;
+	m_links->describe(link, out);
+	for (const PushedLink& pushed : m_pushedLinks)
+	{
+		const double expected = dot(pushed.expected, pushed.impulse);
+		if (pushed.link == &link && expected > 0)
+			response = std::clamp(dot(out.twist.linear - pushed.before, pushed.impulse) / expected, 0.0, 1.0);
+	}
+	if (link.isStaticOrKinematicObject()) response = 0;
+	out.inverseMass *= response;
+	for (auto& row : out.inverseInertia.m)
+		for (double& value : row) value *= response;
 }
 
 /// Reduces the displacement, because the impulse's velocity was not present from the beginning of the step. A body that a table or
@@ -189,7 +228,9 @@ void BulletWorldCoupling::putBack()
 
 void BulletWorldCoupling::afterStep()
 {
-	if (m_seconds > 0) publish(m_registration.store().step() - 1);
+	if (!(m_seconds > 0)) return;
+	m_stepped = true;
+	publish(m_registration.store().step() - 1);
 }
 
 /// `stamp` is that of the contacts of the present world.
@@ -309,7 +350,7 @@ void BulletWorldCoupling::admit(Hand& hand, btCollisionObject& object)
 		++m_crowded;
 		return report(hand, object, BulletUnfeltBody::NoSlot, false);
 	}
-	hand.tenants[std::size_t(slot)] = {&object, std::move(parts)};
+	hand.tenants[std::size_t(slot)] = {&object, std::move(parts), 1};
 }
 
 void BulletWorldCoupling::listPairs(Hand& hand, WorldSnapshot& out)
@@ -415,6 +456,8 @@ void BulletWorldCoupling::describe(Hand& hand, int slot)
 	out.inverseMass = {};
 	out.inverseInertia = ist::zeroMat3();
 	out.friction = std::max(0.0, double(gCalculateCombinedFrictionCallback(&hand.source->tool(), &object)));
+	out.gravity = {};
+	if (const auto* link = btMultiBodyLinkCollider::upcast(&object)) return describeLink(hand, slot, *link);
 	const btRigidBody* body = btRigidBody::upcast(&object);
 	if (!body) return;
 	out.twist = {toVec3(body->getLinearVelocity()), toVec3(body->getAngularVelocity())};

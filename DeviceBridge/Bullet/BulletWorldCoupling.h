@@ -9,8 +9,11 @@
 #include "BulletHapticForce/World/btISTWorld.h"
 #include "DeviceBridge/Bullet/BulletDecoupledSource.h"
 
+class btMultiBodyLinkCollider;
+
 namespace devicebridge
 {
+class BulletLinks;
 struct ShapeModel;
 
 /// A body near a tool that the hand does not feel, or not in all its parts.
@@ -46,7 +49,8 @@ struct BulletUnfeltBody
 /// set (btISTPairFilter), it feels only bodies whose pair with the tool is accepted. With a region, the bounding boxes of both after each
 /// step decide whether the two can meet there. A body whose parts or trees have changed is released and felt anew. Some effects are
 /// approximate: the hand's copies know a contact without a tree only by its impulse in the last step. They know a joint, and another hand
-/// on the same body, only by the body's state after each step. So between two steps the hand feels the body without these.
+/// on the same body, only by the body's state after each step. So between two steps the hand feels the body without these. A link of a
+/// multibody yields as it did in the last step in which a hand pushed it, whatever held it then: joints, motors, limits or contacts.
 class BulletWorldCoupling
 {
 public:
@@ -98,6 +102,7 @@ private:
 	{
 		btCollisionObject* object = nullptr;
 		std::vector<PartKey> parts;
+		double response = 1;  ///< of a link: its change of velocity in the last step that pushed it, over that of its bound (BulletLinks)
 	};
 	struct Hand
 	{
@@ -107,6 +112,14 @@ private:
 		ist::Vec3 applied;
 		std::uint64_t tick = 0;
 		bool moving = false;  ///< whether the hand has posted since the last step
+	};
+	/// A link that a hand has pushed.
+	struct PushedLink
+	{
+		const btMultiBodyLinkCollider* link;
+		ist::Vec3 impulse;
+		ist::Vec3 before;    ///< velocity [m/s]
+		ist::Vec3 expected;  ///< change of velocity by the bound [m/s]
 	};
 	struct Pushed
 	{
@@ -118,6 +131,8 @@ private:
 
 	bool begin(double seconds);
 	void push(Hand& hand, int slot);
+	void pushLink(const btMultiBodyLinkCollider& link, const ist::Wrench& impulse);
+	void describeLink(Hand& hand, int slot, const btMultiBodyLinkCollider& link);
 	void publish(std::uint64_t stamp);
 	void putBack();
 	void chooseBodies(Hand& hand);
@@ -141,6 +156,9 @@ private:
 	const btISTPairRule& m_rule;
 	std::vector<Hand> m_hands;
 	std::vector<Pushed> m_pushed;
+	std::vector<PushedLink> m_pushedLinks;
+	std::unique_ptr<BulletLinks> m_links;
+	bool m_stepped = false;  ///< whether the world has taken a step, after which multibodies know their response
 	std::vector<BulletUnfeltBody> m_unfelt;
 	double m_seconds = 0;  ///< length of the step that has begun [s]; 0: none
 	std::uint64_t m_crowded = 0;
