@@ -84,6 +84,7 @@ set(BULLETHAPTICS_HEADERS
 	DeviceBridge/Bullet/BulletToolContacts.h
 	DeviceBridge/Bullet/BulletWorldCoupling.h
 	DeviceBridge/Coupling/AdaptiveCoupling.h
+	DeviceBridge/Coupling/DeviceGains.h
 	DeviceBridge/Coupling/VirtualCoupling.h
 	DeviceBridge/Decorators/DeviceDecorator.h
 	DeviceBridge/Decorators/MountedDevice.h

@@ -79,6 +79,7 @@ BulletDecoupledSource::BulletDecoupledSource(
 {
 	const ist::Vec3 inverseInertia = toVec3(tool.getInvInertiaDiagLocal());
 	m_refusal = whyNotCoupled(settings.gains, double(tool.getInvMass()), inverseInertia);
+	if (m_refusal[0] == '\0' && !settings.mayBeSilent) m_refusal = whyNotMoved(settings.gains);
 	if (m_refusal[0] == '\0') m_refusal = whyNotSlots(settings.slots);
 	if (m_refusal[0] == '\0' && m_parts.empty())
 		m_refusal = "no part of the tool can be felt: attach a tree to its shape, or to a child of its compound, before it is coupled";

@@ -8,6 +8,7 @@
 #include "DeviceBridge/Bullet/BulletLocalWorld.h"
 #include "DeviceBridge/Bullet/BulletToolContacts.h"
 #include "DeviceBridge/Coupling/AdaptiveCoupling.h"
+#include "DeviceBridge/Coupling/DeviceGains.h"
 #include "DeviceBridge/Coupling/VirtualCoupling.h"
 #include "DeviceBridge/Loop/AnsweringThread.h"
 #include "DeviceBridge/Loop/ModelAge.h"
@@ -32,9 +33,18 @@ using ContactTopology [[deprecated("since 0.3: ContactThreading")]] = ContactThr
 
 struct BulletDecoupledSettings
 {
+	/// As BulletToolSettings::forDevice.
+	static BulletDecoupledSettings forDevice(const DeviceInfo& info, double period = 1e-3, const AssumptionListener& onAssumed = {})
+	{
+		BulletDecoupledSettings settings;
+		settings.gains = gainsForDevice(info, period, onAssumed);
+		return settings;
+	}
+
 	CouplingGains gains;
-	ist::Pose X_BW;        ///< the device's world W in Bullet's World B
-	bool gravity = false;  ///< whether the hand feels the tool's weight
+	bool mayBeSilent = false;  ///< whether gains of zero are meant, with which the hand moves nothing and feels nothing
+	ist::Pose X_BW;            ///< the device's world W in Bullet's World B
+	bool gravity = false;      ///< whether the hand feels the tool's weight
 	ContactThreading topology = ContactThreading::InHapticThread;
 	bool realTime = true;  ///< whether the contact thread requests SCHED_FIFO
 	int priority = 70;     ///< priority of the contact thread; below that of the hand's thread
