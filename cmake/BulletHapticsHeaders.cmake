@@ -113,6 +113,7 @@ set(BULLETHAPTICS_HEADERS
 	DeviceBridge/Hand/HandParts.h
 	DeviceBridge/Hand/HandPosture.h
 	DeviceBridge/Hand/HandRecording.h
+	DeviceBridge/Hand/HandSampleFault.h
 	DeviceBridge/Hand/HandShape.h
 	DeviceBridge/Hand/HandTrackingMonitor.h
 	DeviceBridge/Loop/AnsweringThread.h
