@@ -126,3 +126,21 @@ TEST(DeviceRegistry, ReportsWhatIsMissingAndWhy)
 	ASSERT_FALSE(device);
 	EXPECT_NE(device.error().message.find("libnerve-dev"), std::string::npos);
 }
+
+TEST(DeviceRegistry, ASimulatedDeviceShowsAFaultThatItsAddressNames)
+{
+	DeviceRegistry registry;
+	DeviceState state;
+	auto device = registry.open("sim:touch?fault=nan&at=0.5");
+	ASSERT_TRUE(device) << device.error().message;
+	for (const std::int64_t now : {0, 499'000'000, 500'000'000})
+	{
+		EXPECT_EQ(device.value()->read(now, state), DeviceStatus::Ok);
+		EXPECT_EQ(isRigid(state.X_WH), now < 500'000'000);
+	}
+	EXPECT_TRUE(registry.open("sim:touch?fault=frozen"));
+	EXPECT_TRUE(registry.open("sim:touch?fault=early"));
+	const auto unknown = registry.open("sim:touch?fault=broken");
+	ASSERT_FALSE(unknown);
+	EXPECT_NE(unknown.error().message.find("must be nan, frozen or early"), std::string::npos);
+}
