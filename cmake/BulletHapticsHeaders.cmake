@@ -21,6 +21,7 @@ set(BULLETHAPTICS_HEADERS
 	BulletHapticForce/Solver/btVolumetricStatistics.h
 	BulletHapticForce/World/btEnergyAudit.h
 	BulletHapticForce/World/btISTSceneReport.h
+	BulletHapticForce/World/btISTDebugDraw.h
 	BulletHapticForce/World/btISTSubsteps.h
 	BulletHapticForce/World/btISTWarnings.h
 	BulletHapticForce/World/btISTWorld.h
