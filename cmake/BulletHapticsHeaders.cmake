@@ -21,6 +21,7 @@ set(BULLETHAPTICS_HEADERS
 	BulletHapticForce/Solver/btVolumetricStatistics.h
 	BulletHapticForce/World/btEnergyAudit.h
 	BulletHapticForce/World/btISTSceneReport.h
+	BulletHapticForce/World/btISTDebugDraw.h
 	BulletHapticForce/World/btISTSubsteps.h
 	BulletHapticForce/World/btISTWarnings.h
 	BulletHapticForce/World/btISTWorld.h
@@ -84,6 +85,7 @@ set(BULLETHAPTICS_HEADERS
 	DeviceBridge/Bullet/BulletToolContacts.h
 	DeviceBridge/Bullet/BulletWorldCoupling.h
 	DeviceBridge/Coupling/AdaptiveCoupling.h
+	DeviceBridge/Coupling/DeviceGains.h
 	DeviceBridge/Coupling/VirtualCoupling.h
 	DeviceBridge/Decorators/DeviceDecorator.h
 	DeviceBridge/Decorators/MountedDevice.h
@@ -112,6 +114,7 @@ set(BULLETHAPTICS_HEADERS
 	DeviceBridge/Hand/HandParts.h
 	DeviceBridge/Hand/HandPosture.h
 	DeviceBridge/Hand/HandRecording.h
+	DeviceBridge/Hand/HandSampleFault.h
 	DeviceBridge/Hand/HandShape.h
 	DeviceBridge/Hand/HandTrackingMonitor.h
 	DeviceBridge/Loop/AnsweringThread.h

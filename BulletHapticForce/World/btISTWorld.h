@@ -3,6 +3,7 @@
 
 #include "BulletHapticForce/Law/btContactMaterial.h"
 #include "BulletHapticForce/Solver/btVolumetricSolver.h"
+#include "BulletHapticForce/World/btISTDebugDraw.h"
 #include "BulletHapticForce/World/btISTSubsteps.h"
 #include "BulletHapticForce/World/btISTWarnings.h"
 #include "BulletISTCollision/Dispatch/btISTCollisionAlgorithm.h"
@@ -15,6 +16,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+
+class btIDebugDraw;
 
 /// A Bullet world with volumetric contact. It either makes its own world (configuration, dispatcher, broad phase, solver, world, made and
 /// destroyed in the right order) or extends the world of a game. Bodies, shapes and constraints belong to the caller, who may remove them
@@ -100,6 +103,9 @@ public:
 	{
 		return m_registration.setVerletLists(pairsOfBodies, leafPairs);
 	}
+	/// Draws contacts and, if wanted, the balls of the trees, with the lines of Bullet's own interface; call it between steps. Draws
+	/// nothing in the mode DBG_NoDebug. O(contacts, balls drawn), allocates nothing.
+	void debugDraw(btIDebugDraw& drawer, const btISTDebugDraw& what = {});
 	/// Contacts that the last step found, with the impulses that it applied.
 	btISTContactStore& contacts() { return m_registration.store(); }
 	btISTRegistration& registration() { return m_registration; }

@@ -10,8 +10,6 @@
 #include "BulletCollision/CollisionShapes/btSphereShape.h"
 #include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
 
-#include <type_traits>
-
 namespace
 {
 /// A cyclic permutation of axes that maps z to `axis`.
@@ -74,14 +72,4 @@ btISTShapeField::btISTShapeField(const btCollisionShape* shape)
 	}
 	default: break;
 	}
-}
-
-const ist::AnalyticField* btISTShapeField::field() const
-{
-	return std::visit(
-		[](const auto& field) -> const ist::AnalyticField* {
-			if constexpr (std::is_same_v<std::decay_t<decltype(field)>, std::monostate>) return nullptr;
-			else return field.isValid() ? &field : nullptr;
-		},
-		m_field);
 }

@@ -21,7 +21,9 @@ public:
 
 	/// The closed form; null for every other shape, and for one with a length that is not positive and finite. Valid during this object's
 	/// life.
-	const ist::AnalyticField* field() const;
+	const ist::AnalyticField* field() const { return ist::fieldIn(m_field); }
+	/// The same by value.
+	const ist::AnyField& any() const { return m_field; }
 	bool isHalfSpace() const { return std::holds_alternative<ist::HalfSpaceField>(m_field); }
 	/// Pose of the field's frame in the shape's.
 	const ist::Pose& X_SF() const { return m_X_SF; }
@@ -29,7 +31,7 @@ public:
 	const std::array<double, 4>& measures() const { return m_measures; }
 
 private:
-	std::variant<std::monostate, ist::HalfSpaceField, ist::BoxField, ist::CapsuleField, ist::CylinderField, ist::ConeField> m_field;
+	ist::AnyField m_field;
 	ist::Pose m_X_SF;
 	std::array<double, 4> m_measures{};
 };

@@ -26,12 +26,14 @@ double leastInertia(const btRigidBody& body)
 	return largest > 0 ? 1 / largest : kInfinite;
 }
 
-const char* whyNotLed(const btRigidBody& tool, const CouplingGains& gains)
+const char* whyNotLed(const btRigidBody& tool, const BulletToolSettings& settings)
 {
+	const CouplingGains& gains = settings.gains;
 	if (tool.getInvMass() == 0)
 		return "the tool has mass 0, and Bullet never moves such a body of its world: give it a mass, of which a static coupling lets only "
 			   "the weight be felt";
-	return whyNotCoupled(gains, double(tool.getInvMass()), toVec3(tool.getInvInertiaDiagLocal()));
+	const char* why = whyNotCoupled(gains, double(tool.getInvMass()), toVec3(tool.getInvInertiaDiagLocal()));
+	return why[0] != '\0' || settings.mayBeSilent ? why : whyNotMoved(gains);
 }
 }  // namespace
 
@@ -44,7 +46,7 @@ BulletContactSource::BulletContactSource(
 	  m_coupling(settings.gains),
 	  m_X_WB(inverse(settings.X_BW)),
 	  m_mass(tool.getInvMass() > 0 ? 1 / double(tool.getInvMass()) : kInfinite),
-	  m_refusal(whyNotLed(tool, settings.gains))
+	  m_refusal(whyNotLed(tool, settings))
 {
 	m_tool.forceActivationState(DISABLE_DEACTIVATION);
 	m_store.measureQueryTime(true);

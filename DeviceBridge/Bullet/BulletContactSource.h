@@ -3,15 +3,26 @@
 
 #include "BulletHapticForce/World/btISTWorld.h"
 #include "DeviceBridge/Coupling/AdaptiveCoupling.h"
+#include "DeviceBridge/Coupling/DeviceGains.h"
 #include "DeviceBridge/Loop/ContactSource.h"
 
 namespace devicebridge
 {
 struct BulletToolSettings
 {
+	/// Settings with gains for a device and ticks of `period` [s] (gainsForDevice): from its limits, else from those of its model's
+	/// profile, else careful ones. `onAssumed` says what was assumed.
+	static BulletToolSettings forDevice(const DeviceInfo& info, double period = 1e-3, const AssumptionListener& onAssumed = {})
+	{
+		BulletToolSettings settings;
+		settings.gains = gainsForDevice(info, period, onAssumed);
+		return settings;
+	}
+
 	CouplingGains gains;
-	ist::Pose X_BW;        ///< the device's world W in Bullet's World B; rigid, so that forces and lengths keep their size
-	bool gravity = false;  ///< whether gravity acts on the tool. By default the hand carries the tool without feeling its weight
+	bool mayBeSilent = false;  ///< whether gains of zero are meant, with which the hand moves nothing and feels nothing
+	ist::Pose X_BW;            ///< the device's world W in Bullet's World B; rigid, so that forces and lengths keep their size
+	bool gravity = false;      ///< whether gravity acts on the tool. By default the hand carries the tool without feeling its weight
 };
 
 /// A Bullet world that the stepping thread owns: each tick is one step of it. The tool is an ordinary body of the caller's, on a virtual

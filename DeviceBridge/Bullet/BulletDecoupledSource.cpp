@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Bullet/BulletDecoupledSource.h"
 
+#include "BulletHapticForce/World/btISTWorld.h"
 #include "BulletISTCollision/Core/Base/ThreadTime.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
+#include "DeviceBridge/Bullet/BulletShapeParts.h"
 #include "DeviceBridge/Timing/RealTimePriority.h"
 
 #include "BulletDynamics/Dynamics/btRigidBody.h"
@@ -27,6 +29,13 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 /// Weight 1 up to `trusted`, 0 from twice that on.
 double trust(double way, double trusted) { return std::clamp(2 - way / trusted, 0.0, 1.0); }
 
+const char* whyNotSlots(int slots)
+{
+	static_assert(kMostMirroredBodies == 1024, "the sentence names it");
+	return slots >= 1 && slots <= kMostMirroredBodies ? ""
+													  : "the setting slots must be 1 to 1024: it is the number of bodies near the tool";
+}
+
 void scale(LinearContact& c, double factor)
 {
 	c.wrench = factor * c.wrench;
@@ -37,19 +46,43 @@ void scale(LinearContact& c, double factor)
 
 BulletDecoupledSource::BulletDecoupledSource(
 	btRigidBody& tool, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock, const BulletDecoupledSettings& settings)
+	: BulletDecoupledSource(tool, {toolPartOf(std::move(tree))}, 0, clock, settings)
+{}
+
+BulletDecoupledSource::BulletDecoupledSource(btISTWorld& world, btRigidBody& tool, Clock& clock, const BulletDecoupledSettings& settings)
+	: BulletDecoupledSource(tool, toolPartsOf(world.registration().registry(), *tool.getCollisionShape()),
+		  unfeltPartsOf(world.registration().registry(), *tool.getCollisionShape()), clock, settings)
+{}
+
+BulletDecoupledSource::BulletDecoupledSource(
+	btRigidBody& tool, std::vector<ToolPart> parts, int unfeltParts, Clock& clock, const BulletDecoupledSettings& settings)
 	: m_tool(tool),
-	  m_tree(std::move(tree)),
+	  m_parts(std::move(parts)),
+	  m_unfeltParts(unfeltParts),
+	  m_slots(whyNotSlots(settings.slots)[0] == '\0' ? settings.slots : kMirroredBodies),
 	  m_time(clock),
 	  m_settings(settings),
 	  m_coupling(settings.gains),
 	  m_X_WB(inverse(settings.X_BW)),
 	  m_topology(settings.topology),
-	  m_finder(*m_tree, settings.maxPairs),
+	  m_mirror(m_slots),
+	  m_local(m_slots),
+	  m_finder(m_parts, settings.maxPairs),
+	  m_touching(std::size_t(kToolContactsPerSlot * m_slots)),
+	  m_contactOf(std::size_t(m_slots)),
+	  m_touched(std::size_t(m_slots)),
 	  m_lastTopology(settings.topology),
-	  m_threadFinder(*m_tree, settings.maxPairs)
+	  m_questions(m_slots),
+	  m_answers(m_slots),
+	  m_threadFinder(m_parts, settings.maxPairs),
+	  m_lastQuestion(std::size_t(m_slots))
 {
 	const ist::Vec3 inverseInertia = toVec3(tool.getInvInertiaDiagLocal());
 	m_refusal = whyNotCoupled(settings.gains, double(tool.getInvMass()), inverseInertia);
+	if (m_refusal[0] == '\0' && !settings.mayBeSilent) m_refusal = whyNotMoved(settings.gains);
+	if (m_refusal[0] == '\0') m_refusal = whyNotSlots(settings.slots);
+	if (m_refusal[0] == '\0' && m_parts.empty())
+		m_refusal = "no part of the tool can be felt: attach a tree to its shape, or to a child of its compound, before it is coupled";
 	const bool accepted = m_refusal[0] == '\0', hasMass = accepted && tool.getInvMass() > 0;
 	m_local.tool.mass = hasMass ? 1 / double(tool.getInvMass()) : kInfinite;
 	for (int i = 0; i < 3; ++i) m_local.tool.inverseInertia.m[i][i] = accepted ? inverseInertia[i] : 0;
@@ -65,6 +98,13 @@ BulletDecoupledSource::BulletDecoupledSource(
 }
 
 BulletDecoupledSource::~BulletDecoupledSource() { stopContactThread(); }
+
+std::shared_ptr<const ist::InnerSphereTree> BulletDecoupledSource::toolTree() const noexcept
+{
+	for (const ToolPart& part : m_parts)
+		if (part.tree) return part.tree;
+	return nullptr;
+}
 
 void BulletDecoupledSource::reserve(const ist::InnerSphereTree& tree)
 {
@@ -92,7 +132,7 @@ void BulletDecoupledSource::advance(double dt, const DeviceState& hand, ToolStep
 	const double factor = m_worldAge.factor(now);
 	if (factor < 1) m_fadedTicks.fetch_add(1, std::memory_order_relaxed);
 	if (factor == 0)
-		for (int slot = 0; slot < kMirroredBodies; ++slot) m_local.body(slot).share = 0;
+		for (int slot = 0; slot < m_slots; ++slot) m_local.body(slot).share = 0;
 	step.overdue = m_worldAge.known() ? m_worldAge.overdue(now) : 0;
 
 	const auto begin = std::chrono::steady_clock::now();
@@ -106,7 +146,7 @@ void BulletDecoupledSource::advance(double dt, const DeviceState& hand, ToolStep
 	step.coupling = pull(dt, hand);
 	const ist::Mat3& R_BW = m_settings.X_BW.rotation;
 	const ist::Vec3 origin = m_local.tool.state.X_WT.translation;
-	m_local.step(dt, {R_BW * step.coupling.force, R_BW * step.coupling.torque}, m_touching, m_touchingCount, m_mirror.snapshot());
+	m_local.step(dt, {R_BW * step.coupling.force, R_BW * step.coupling.torque}, m_touching.data(), m_touchingCount, m_mirror.snapshot());
 	step.tool = toolState();
 	step.toolIsBroken = m_local.toolIsBroken();
 	if (step.toolIsBroken) m_brokenSteps.fetch_add(1, std::memory_order_relaxed);
@@ -139,7 +179,7 @@ void BulletDecoupledSource::adapt(double dt, const DeviceState& hand) noexcept
 	bool rigid = false;
 	for (int i = 0; i < m_touchingCount; ++i)
 	{
-		const LinearContact& c = m_touching[i];
+		const LinearContact& c = touching(i);
 		addResistance(resistance, c.stiffness, c.damping, c.point - m_local.tool.state.X_WT.translation, dt);
 		rigid = rigid || c.friction > 0;
 	}
@@ -199,23 +239,26 @@ void BulletDecoupledSource::findContacts(std::int64_t now, ToolStep& step) noexc
 	{
 		if (world.step != m_toolAnswers) m_toolAnswers = world.step, m_modelAnswers.fetch_add(1, std::memory_order_relaxed);
 		takeModel(world.toolContacts, world.toolContactCount, 1);
-		for (int i = 0; i < m_touchingCount; ++i) step.overlapVolume += m_touching[i].volume;
+		for (int i = 0; i < m_touchingCount; ++i) step.overlapVolume += touching(i).volume;
 	}
 }
 
 void BulletDecoupledSource::askInHapticThread(ToolStep& step) noexcept
 {
 	const WorldSnapshot& world = m_mirror.snapshot();
-	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	const int capacity = static_cast<int>(m_touching.size());
+	for (int i = 0; i < world.pairCount; ++i)
 	{
-		const MirroredBody& body = world.bodies[slot];
+		const MirroredPair& pair = world.pairs[std::size_t(i)];
+		const MirroredBody& body = mirrored(pair.slot);
 		if (body.epoch == 0 || body.leaving) continue;
-		m_touchingCount += m_finder.find(m_local.tool.state.X_WT, body, m_local.body(slot).spent.X_WB, slot, m_touching + m_touchingCount,
-			kToolContacts - m_touchingCount, step.overlapVolume);
+		m_touchingCount += m_finder.find(m_local.tool.state.X_WT, pair, body, m_local.body(pair.slot).spent.X_WB,
+			m_touching.data() + m_touchingCount, capacity - m_touchingCount, step.overlapVolume);
 	}
 	m_coarsened.store(m_finder.coarsened(), std::memory_order_relaxed);
 	m_overBudget.store(m_finder.overBudget(), std::memory_order_relaxed);
 	m_refused.store(m_finder.refused(), std::memory_order_relaxed);
+	m_dropped.store(m_finder.dropped(), std::memory_order_relaxed);
 }
 
 void BulletDecoupledSource::takeAnswer() noexcept
@@ -227,6 +270,7 @@ void BulletDecoupledSource::takeAnswer() noexcept
 	m_coarsened.store(answer.coarsened, std::memory_order_relaxed);
 	m_overBudget.store(answer.overBudget, std::memory_order_relaxed);
 	m_refused.store(answer.refused, std::memory_order_relaxed);
+	m_dropped.store(answer.dropped, std::memory_order_relaxed);
 	if (m_lastTopology == ContactThreading::OwnThread) m_answerAge.arrived(answer.askedAt, 0);
 }
 
@@ -244,24 +288,26 @@ void BulletDecoupledSource::ask(std::int64_t now) noexcept
 {
 	const WorldSnapshot& world = m_mirror.snapshot();
 	// A thread that does not run would otherwise keep a leaving body for ever.
-	for (int slot = 0; slot < kMirroredBodies; ++slot)
-		if (world.bodies[slot].leaving && !mayRelease(slot)) takeQuestionBack();
+	for (int slot = 0; slot < m_slots; ++slot)
+		if (mirrored(slot).leaving && !mayRelease(slot)) takeQuestionBack();
 	if (awaitsAnswer()) return;
 	Question& question = m_questions.writable();
 	question.number = ++m_asked;
 	question.askedAt = now;
 	question.X_WT = m_local.tool.state.X_WT;
-	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	for (int slot = 0; slot < m_slots; ++slot)
 	{
-		const MirroredBody& body = world.bodies[slot];
-		MirroredBody& asked = question.bodies[slot];
+		const MirroredBody& body = mirrored(slot);
+		MirroredBody& asked = question.bodies[std::size_t(slot)];
 		// Only occupied slots are copied, because most are empty and a body is large.
 		asked.epoch = body.epoch;
 		if (body.epoch == 0) continue;
 		asked = body;
 		asked.X_WB = m_local.body(slot).spent.X_WB;
-		if (!asked.leaving) m_lastQuestion[slot] = m_asked;
+		if (!asked.leaving) m_lastQuestion[std::size_t(slot)] = m_asked;
 	}
+	std::copy(world.pairs.begin(), world.pairs.begin() + world.pairCount, question.pairs.begin());
+	question.pairCount = world.pairCount;
 	m_triedToTakeBack = false;
 	m_questions.publish();
 	m_thread.wake();
@@ -277,20 +323,21 @@ void BulletDecoupledSource::takeQuestionBack() noexcept
 }
 
 /// Takes the linear models of bodies that still have their slots, moved to the present poses of tool and copies.
-void BulletDecoupledSource::takeModel(const LinearContact* contacts, int count, double factor) noexcept
+void BulletDecoupledSource::takeModel(const std::vector<LinearContact>& contacts, int count, double factor) noexcept
 {
 	std::optional<ContactMotion> motion;
 	int motionOf = -1;
 	for (int i = 0; i < count; ++i)
 	{
-		const int slot = contacts[i].b;
-		const MirroredBody& body = m_mirror.snapshot().bodies[slot];
-		if (body.epoch == 0 || body.leaving || body.epoch != contacts[i].epoch) continue;
+		const LinearContact& found = contacts[std::size_t(i)];
+		const int slot = found.b;
+		const MirroredBody& body = mirrored(slot);
+		if (body.epoch == 0 || body.leaving || body.epoch != found.epoch) continue;
 		// The patches of one body are consecutive and were found at the same poses.
-		if (motionOf != slot) motion.emplace(contacts[i], m_local.tool.state.X_WT, m_local.body(slot).spent.X_WB);
+		if (motionOf != slot) motion.emplace(found, m_local.tool.state.X_WT, m_local.body(slot).spent.X_WB);
 		motionOf = slot;
 		double way = 0;
-		LinearContact& moved = m_touching[m_touchingCount] = movedTo(contacts[i], *motion, &way);
+		LinearContact& moved = m_touching[std::size_t(m_touchingCount)] = movedTo(found, *motion, &way);
 		if (!(dot(moved.wrench.force, moved.normal) > 0)) continue;
 		scale(moved, factor * trust(way, m_settings.trustedModel));
 		++m_touchingCount;
@@ -300,40 +347,38 @@ void BulletDecoupledSource::takeModel(const LinearContact* contacts, int count, 
 /// Scales each contact by how far its copy is trusted, the world is in time, and the contact has faded in.
 void BulletDecoupledSource::weighContacts(double dt, double factor) noexcept
 {
-	bool touched[kMirroredBodies] = {};
-	for (int i = 0; i < m_touchingCount; ++i) touched[m_touching[i].b] = true;
-	const WorldSnapshot& world = m_mirror.snapshot();
-	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	std::fill(m_touched.begin(), m_touched.end(), false);
+	for (int i = 0; i < m_touchingCount; ++i) m_touched[std::size_t(touching(i).b)] = true;
+	for (int slot = 0; slot < m_slots; ++slot)
 	{
 		double& share = m_local.body(slot).share;
-		if (factor > 0) share = touched[slot] ? std::min(1.0, share + dt / m_settings.fadeIn) : 1;
+		if (factor > 0) share = m_touched[std::size_t(slot)] ? std::min(1.0, share + dt / m_settings.fadeIn) : 1;
 	}
 	for (int i = 0; i < m_touchingCount; ++i)
 	{
-		const int slot = m_touching[i].b;
-		const BulletLocalWorld::Body& body = m_local.body(slot);
-		const double way = distance(body.spent.X_WB.translation, world.bodies[slot].X_WB.translation);
-		scale(m_touching[i], factor * body.share * trust(way, m_settings.trustedWay));
+		LinearContact& c = m_touching[std::size_t(i)];
+		const BulletLocalWorld::Body& body = m_local.body(c.b);
+		const double way = distance(body.spent.X_WB.translation, mirrored(c.b).X_WB.translation);
+		scale(c, factor * body.share * trust(way, m_settings.trustedWay));
 	}
 }
 
-void BulletDecoupledSource::fill(double dt, const ist::Vec3& origin, ToolStep& step) const noexcept
+void BulletDecoupledSource::fill(double dt, const ist::Vec3& origin, ToolStep& step) noexcept
 {
 	const ist::Mat3& R_WB = m_X_WB.rotation;
 	const double rate = dt > 0 ? 1 / dt : 0;
-	int contactOf[kMirroredBodies];
-	std::fill(contactOf, contactOf + kMirroredBodies, -1);
+	std::fill(m_contactOf.begin(), m_contactOf.end(), -1);
 	for (int i = 0; i < m_touchingCount; ++i)
 	{
-		const LinearContact& c = m_touching[i];
+		const LinearContact& c = touching(i);
 		step.pairs += c.pairs;
-		int& at = contactOf[c.b];
+		int& at = m_contactOf[std::size_t(c.b)];
 		if (at < 0)
 		{
 			if (step.contactCount == kMaxToolContacts) continue;
 			at = step.contactCount++;
 			step.contacts[at] = {};
-			step.contacts[at].other = m_mirror.snapshot().bodies[c.b].id;
+			step.contacts[at].other = mirrored(c.b).id;
 		}
 		ToolContact& out = step.contacts[at];
 		const ist::Wrench& impulse = m_local.impulse(i);
@@ -352,19 +397,20 @@ void BulletDecoupledSource::fill(double dt, const ist::Vec3& origin, ToolStep& s
 	}
 }
 
-bool BulletDecoupledSource::mayRelease(int slot) const noexcept { return m_settled >= m_lastQuestion[slot]; }
+bool BulletDecoupledSource::mayRelease(int slot) const noexcept { return m_settled >= m_lastQuestion[std::size_t(slot)]; }
 
 void BulletDecoupledSource::post() noexcept
 {
 	HandPost& out = m_mirror.post();
 	out.tick = ++m_tick;
 	out.tool = m_local.tool.state;
-	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	for (int slot = 0; slot < m_slots; ++slot)
 	{
 		const SpentImpulse& spent = m_local.body(slot).spent;
-		if (spent.epoch == 0) out.bodies[slot].epoch = 0;
-		else out.bodies[slot] = spent;
-		out.bodies[slot].released = m_mirror.snapshot().bodies[slot].leaving && mayRelease(slot);
+		SpentImpulse& posted = out.bodies[std::size_t(slot)];
+		if (spent.epoch == 0) posted.epoch = 0;
+		else posted = spent;
+		posted.released = mirrored(slot).leaving && mayRelease(slot);
 	}
 	m_mirror.send();
 }
@@ -381,20 +427,22 @@ bool BulletDecoupledSource::serveContacts() noexcept
 	answer.volume = 0;
 	const auto begin = std::chrono::steady_clock::now();
 	const double asked = m_threadFinder.queryMicroseconds();
-	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	for (int i = 0; i < question.pairCount; ++i)
 	{
-		const MirroredBody& body = question.bodies[slot];
+		const MirroredPair& pair = question.pairs[std::size_t(i)];
+		const MirroredBody& body = question.bodies[std::size_t(pair.slot)];
 		if (body.epoch == 0 || body.leaving) continue;
-		answer.count += m_threadFinder.find(
-			question.X_WT, body, body.X_WB, slot, answer.contacts + answer.count, kToolContacts - answer.count, answer.volume);
+		answer.count += m_threadFinder.find(question.X_WT, pair, body, body.X_WB, answer.contacts.data() + answer.count,
+			static_cast<int>(answer.contacts.size()) - answer.count, answer.volume);
 	}
 	answer.microseconds = microsecondsSince(begin);
 	answer.coarsened = m_threadFinder.coarsened();
 	answer.overBudget = m_threadFinder.overBudget();
 	answer.refused = m_threadFinder.refused();
+	answer.dropped = m_threadFinder.dropped();
 	const double used = ist::threadMicroseconds();
 	answer.cost = {answer.number, 0, used - (m_threadTime < 0 ? used : m_threadTime), m_threadFinder.queryMicroseconds() - asked};
-	for (int i = 0; i < answer.count; ++i) answer.cost.pairs += answer.contacts[i].pairs;
+	for (int i = 0; i < answer.count; ++i) answer.cost.pairs += answer.contacts[std::size_t(i)].pairs;
 	m_threadTime = used;
 	m_answers.publish();
 	return true;
@@ -418,9 +466,9 @@ void BulletDecoupledSource::stopContactThread() noexcept
 ist::Vec3 BulletDecoupledSource::undelivered() const noexcept
 {
 	ist::Vec3 sum;
-	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	for (int slot = 0; slot < m_slots; ++slot)
 	{
-		const SpentImpulse &spent = m_local.body(slot).spent, &seen = m_mirror.snapshot().bodies[slot].seen;
+		const SpentImpulse &spent = m_local.body(slot).spent, &seen = mirrored(slot).seen;
 		if (spent.epoch != 0) sum += spent.impulse.force - (seen.epoch == spent.epoch ? seen.impulse.force : ist::Vec3());
 	}
 	return sum;
@@ -428,9 +476,9 @@ ist::Vec3 BulletDecoupledSource::undelivered() const noexcept
 
 bool BulletDecoupledSource::copyOf(const void* object, ist::Pose& X_WB) const noexcept
 {
-	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	for (int slot = 0; slot < m_slots; ++slot)
 	{
-		if (m_local.body(slot).spent.epoch == 0 || m_mirror.snapshot().bodies[slot].id != object) continue;
+		if (m_local.body(slot).spent.epoch == 0 || mirrored(slot).id != object) continue;
 		X_WB = m_local.body(slot).spent.X_WB;
 		return true;
 	}
@@ -447,6 +495,7 @@ DecoupledStatistics BulletDecoupledSource::statistics() const noexcept
 	s.coarsenedQueries = read(m_coarsened);
 	s.queriesOverBudget = read(m_overBudget);
 	s.refusedQueries = read(m_refused);
+	s.droppedPatches = read(m_dropped);
 	s.brokenSteps = read(m_brokenSteps);
 	s.contactRealTime = read(m_contactRealTime);
 	s.modelAge = 1e-9 * static_cast<double>(read(m_age));

@@ -3,15 +3,18 @@
 
 #include <atomic>
 #include <memory>
+#include <vector>
 
 #include "DeviceBridge/Bullet/BulletLocalWorld.h"
 #include "DeviceBridge/Bullet/BulletToolContacts.h"
 #include "DeviceBridge/Coupling/AdaptiveCoupling.h"
+#include "DeviceBridge/Coupling/DeviceGains.h"
 #include "DeviceBridge/Coupling/VirtualCoupling.h"
 #include "DeviceBridge/Loop/AnsweringThread.h"
 #include "DeviceBridge/Loop/ModelAge.h"
 #include "DeviceBridge/Timing/MonotonicClock.h"
 
+class btISTWorld;
 class btRigidBody;
 
 namespace devicebridge
@@ -30,12 +33,24 @@ using ContactTopology [[deprecated("since 0.3: ContactThreading")]] = ContactThr
 
 struct BulletDecoupledSettings
 {
+	/// As BulletToolSettings::forDevice.
+	static BulletDecoupledSettings forDevice(const DeviceInfo& info, double period = 1e-3, const AssumptionListener& onAssumed = {})
+	{
+		BulletDecoupledSettings settings;
+		settings.gains = gainsForDevice(info, period, onAssumed);
+		return settings;
+	}
+
 	CouplingGains gains;
-	ist::Pose X_BW;        ///< the device's world W in Bullet's World B
-	bool gravity = false;  ///< whether the hand feels the tool's weight
+	bool mayBeSilent = false;  ///< whether gains of zero are meant, with which the hand moves nothing and feels nothing
+	ist::Pose X_BW;            ///< the device's world W in Bullet's World B
+	bool gravity = false;      ///< whether the hand feels the tool's weight
 	ContactThreading topology = ContactThreading::InHapticThread;
-	bool realTime = true;        ///< whether the contact thread requests SCHED_FIFO
-	int priority = 70;           ///< priority of the contact thread; below that of the hand's thread
+	bool realTime = true;  ///< whether the contact thread requests SCHED_FIFO
+	int priority = 70;     ///< priority of the contact thread; below that of the hand's thread
+	/// Number of bodies near the tool that the hand can feel at a time, 1 to kMostMirroredBodies. BulletWorldCoupling::unfelt() names
+	/// bodies that found no slot. Each slot takes some 20 kB.
+	int slots = kMirroredBodies;
 	std::int64_t maxPairs = -1;  ///< largest number of pairs of a query; beyond it a coarser level is used (TreeLevels.h). Negative: none
 	std::int64_t fullUntil = 5'000'000, zeroFrom = 20'000'000;  ///< delays of a model beyond its period: full weight up to, none from [ns]
 	double fadeIn = 0.25;                                       ///< time over which a contact that begins inside fades in [s]
@@ -52,6 +67,7 @@ struct DecoupledStatistics
 	std::uint64_t coarsenedQueries = 0;   ///< number of queries that used a coarser level to stay within the budget
 	std::uint64_t queriesOverBudget = 0;  ///< number of queries that exceed the budget at every level; they ran without a budget
 	std::uint64_t refusedQueries = 0;     ///< number of queries without an answer (ist::QueryStatus), and so without a force; normally zero
+	std::uint64_t droppedPatches = 0;     ///< number of patches beyond two for each slot, which exert no force; normally zero
 	std::uint64_t brokenSteps = 0;  ///< number of steps after which the tool had a twist that is not finite (toolIsBroken); normally zero
 	bool contactRealTime = false;   ///< whether the contact thread runs, or ran, with SCHED_FIFO
 	double modelAge = 0, longestModelAge = 0;  ///< present and longest age of the world's last step [s]
@@ -83,13 +99,17 @@ public:
 	/// tree of its shape. `tool` must outlive this object, and so must `clock`, the stepping thread's clock.
 	BulletDecoupledSource(
 		btRigidBody& tool, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock, const BulletDecoupledSettings& settings);
+	/// The same for a tool whose parts are those of its shape: the shape itself, or the children of a compound at any depth. Their trees
+	/// are those that `world` has now. A part without a tree is felt in closed form, by bodies that have a tree. unfeltParts() counts the
+	/// others.
+	BulletDecoupledSource(btISTWorld& world, btRigidBody& tool, Clock& clock, const BulletDecoupledSettings& settings);
 	~BulletDecoupledSource() override;
 
 	/// Allocates nothing, unless a tree is larger than the tool's and than any passed to reserve().
 	void advance(double dt, const DeviceState& hand, ToolStep& step) noexcept override;
 
-	/// whyNotCoupled() of the tool when it was passed in. If it is not empty, the tool does not move, and neither hand nor tool feels a
-	/// force.
+	/// Why the tool could not be coupled when it was passed in. If it is not empty, the tool does not move, and neither hand nor tool feels
+	/// a force.
 	const char* refusal() const noexcept override { return m_refusal; }
 
 	// For any thread:
@@ -112,7 +132,11 @@ public:
 	[[deprecated("since 0.3: reserve")]] void makeRoom(const ist::InnerSphereTree& tree) { reserve(tree); }
 	WorldMirror& mirror() noexcept { return m_mirror; }
 	btRigidBody& tool() noexcept { return m_tool; }
-	const std::shared_ptr<const ist::InnerSphereTree>& toolTree() const noexcept { return m_tree; }
+	const std::vector<ToolPart>& toolParts() const noexcept { return m_parts; }
+	/// Number of parts of the tool's shape that no body can feel: they have no tree and no closed form.
+	int unfeltParts() const noexcept { return m_unfeltParts; }
+	/// Tree of the first part of the tool that has one; null if none has.
+	std::shared_ptr<const ist::InnerSphereTree> toolTree() const noexcept;
 	const BulletDecoupledSettings& settings() const noexcept { return m_settings; }
 
 	// Between ticks, for a balance of momentum:
@@ -126,9 +150,9 @@ public:
 	// In a tick or between ticks: contacts of the last tick, in Bullet's World.
 	int touchingCount() const noexcept { return m_touchingCount; }
 	/// A patch, with the tool as A, scaled by its weight.
-	const LinearContact& touching(int i) const noexcept { return m_touching[i]; }
+	const LinearContact& touching(int i) const noexcept { return m_touching[std::size_t(i)]; }
 	/// The btCollisionObject that the tool touches there; null if forget() was called for it.
-	const void* touched(int i) const noexcept { return m_mirror.snapshot().bodies[m_touching[i].b].id; }
+	const void* touched(int i) const noexcept { return mirrored(touching(i).b).id; }
 	/// Cost of the newest answer that a tick has taken (ContactThreading::OwnThread).
 	ContactAnswerCost lastAnswer() const noexcept { return m_answers.readable().cost; }
 	/// Pose of the copy of a body. Returns false and changes nothing if the body is not near.
@@ -137,21 +161,31 @@ public:
 private:
 	struct Question
 	{
+		explicit Question(int slots) : bodies(std::size_t(slots)), pairs(std::size_t(kPairsPerSlot * slots)) {}
+
 		std::uint64_t number = 0;  // 0: no question; it replaced one that was withdrawn
 		std::int64_t askedAt = 0;  // [ns]
 		ist::Pose X_WT;
-		MirroredBody bodies[kMirroredBodies];  // bodies with the poses of the copies
+		std::vector<MirroredBody> bodies;  // bodies with the poses of the copies
+		std::vector<MirroredPair> pairs;
+		int pairCount = 0;
 	};
 	struct Answer
 	{
+		explicit Answer(int slots) : contacts(std::size_t(kToolContactsPerSlot * slots)) {}
+
 		std::uint64_t number = 0;
 		std::int64_t askedAt = 0;
-		LinearContact contacts[kToolContacts];
+		std::vector<LinearContact> contacts;
 		int count = 0;
 		double volume = 0, microseconds = 0;
 		ContactAnswerCost cost;
-		std::uint64_t coarsened = 0, overBudget = 0, refused = 0;
+		std::uint64_t coarsened = 0, overBudget = 0, refused = 0, dropped = 0;
 	};
+
+	BulletDecoupledSource(
+		btRigidBody& tool, std::vector<ToolPart> parts, int unfeltParts, Clock& clock, const BulletDecoupledSettings& settings);
+	const MirroredBody& mirrored(int slot) const noexcept { return m_mirror.snapshot().bodies[std::size_t(slot)]; }
 
 	void adapt(double dt, const DeviceState& hand) noexcept;
 	ist::Wrench pull(double dt, const DeviceState& hand) const noexcept;
@@ -164,14 +198,16 @@ private:
 	void ask(std::int64_t now) noexcept;
 	void takeQuestionBack() noexcept;
 	bool awaitsAnswer() const noexcept { return m_settled < m_asked; }
-	void takeModel(const LinearContact* contacts, int count, double factor) noexcept;
+	void takeModel(const std::vector<LinearContact>& contacts, int count, double factor) noexcept;
 	void weighContacts(double dt, double factor) noexcept;
-	void fill(double dt, const ist::Vec3& origin, ToolStep& step) const noexcept;
+	void fill(double dt, const ist::Vec3& origin, ToolStep& step) noexcept;
 	void post() noexcept;
 	bool mayRelease(int slot) const noexcept;
 
 	btRigidBody& m_tool;
-	std::shared_ptr<const ist::InnerSphereTree> m_tree;
+	std::vector<ToolPart> m_parts;
+	int m_unfeltParts = 0;
+	int m_slots;
 	MonotonicClock m_time;
 	BulletDecoupledSettings m_settings;
 	AdaptiveCoupling m_coupling;
@@ -185,22 +221,24 @@ private:
 	ModelAge m_worldAge, m_answerAge;
 	BulletLocalWorld m_local;
 	BulletToolContacts m_finder;
-	LinearContact m_touching[kToolContacts];
+	std::vector<LinearContact> m_touching;
 	int m_touchingCount = 0;
+	std::vector<int> m_contactOf;  // place of a slot's contact in the step's list; -1: none
+	std::vector<char> m_touched;
 	std::uint64_t m_tick = 0, m_toolAnswers = 0;
 	ContactThreading m_lastTopology;
 
 	TripleBuffer<Question> m_questions;
 	TripleBuffer<Answer> m_answers;
 	BulletToolContacts m_threadFinder;
-	double m_threadTime = -1;                  // processor time when the last answer was published; negative: no answer yet on this thread
-	std::uint64_t m_asked = 0, m_settled = 0;  // newest question, and newest of those that were answered or withdrawn
-	std::uint64_t m_lastQuestion[kMirroredBodies] = {};  // newest question that refers to the tree of the slot
+	double m_threadTime = -1;                   // processor time when the last answer was published; negative: no answer yet on this thread
+	std::uint64_t m_asked = 0, m_settled = 0;   // newest question, and newest of those that were answered or withdrawn
+	std::vector<std::uint64_t> m_lastQuestion;  // newest question that refers to the trees of the slot
 	bool m_triedToTakeBack = false;
 	std::atomic<bool> m_contactRealTime{false};
 
 	std::atomic<std::uint64_t> m_worldSteps{0}, m_modelAnswers{0}, m_fadedTicks{0}, m_coarsened{0}, m_overBudget{0}, m_refused{0};
-	std::atomic<std::uint64_t> m_brokenSteps{0};
+	std::atomic<std::uint64_t> m_brokenSteps{0}, m_dropped{0};
 	std::atomic<std::int64_t> m_age{0}, m_longestAge{0}, m_period{0};
 	AnsweringThread m_thread;
 };

@@ -37,6 +37,8 @@ Result<std::unique_ptr<BulletHand>> BulletHand::create(
 	if (start.left != model->shape.left)
 		return Error{std::string("the model is of a ") + (model->shape.left ? "left" : "right") + " hand and the first sample of a " +
 			(start.left ? "left" : "right") + " one"};
+	if (const HandSampleFault fault = faultOf(start, model->shape); fault != HandSampleFault::None)
+		return Error{std::string("the first sample of the hand cannot be used: ") + describe(fault)};
 	const HandPartPoses poses = handPartPoses(*model, start);
 	std::unique_ptr<BulletHand> hand(new BulletHand(world, model));
 	for (int i = 0; i < kHandParts; ++i)

@@ -37,9 +37,9 @@ inline bool touchedInLastStep(const btISTContactStore& store, const btISTContact
 class BulletHand
 {
 public:
-	/// Creates the parts at the poses of `start`. Refused, with the reason: joints that are not tracked, the other hand, settings that are
-	/// not positive finite numbers. Bodies that overlap then are pushed apart without a jump, because a contact returns no more energy than
-	/// it absorbed.
+	/// Creates the parts at the poses of `start`. Refused, with the reason: joints that are not tracked, the other hand, a sample that
+	/// cannot be this hand (faultOf), settings that are not positive finite numbers. Bodies that overlap then are pushed apart without a
+	/// jump, because a contact returns no more energy than it absorbed.
 	static ist::Result<std::unique_ptr<BulletHand>> create(
 		btISTWorld& world, std::shared_ptr<const HandModel> model, const HandState& start, const BulletHandSettings& settings = {});
 	~BulletHand();

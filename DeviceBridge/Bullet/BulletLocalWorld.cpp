@@ -24,9 +24,16 @@ ist::Mat3 turned(const ist::Mat3& R, const ist::Vec3& turn)
 }
 }  // namespace
 
+BulletLocalWorld::BulletLocalWorld(int slots)
+	: m_bodies(std::size_t(slots)),
+	  m_places(std::size_t(slots) + 2),
+	  m_rows(std::size_t((kContactsPerSlot + kToolContactsPerSlot) * slots)),
+	  m_impulses(std::size_t(kToolContactsPerSlot * slots))
+{}
+
 void BulletLocalWorld::reconcile(const WorldSnapshot& world) noexcept
 {
-	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	for (std::size_t slot = 0; slot < m_bodies.size(); ++slot)
 	{
 		const MirroredBody& now = world.bodies[slot];
 		Body& body = m_bodies[slot];
@@ -49,7 +56,7 @@ void BulletLocalWorld::reconcile(const WorldSnapshot& world) noexcept
 		body.turn = turnFrom(then.X_WB.rotation, now.X_WB.rotation) - (copy.turned - then.turned);
 		body.left = world.period;
 		if (norm(body.shift) <= kTeleport) continue;
-		copy.X_WB = putRight(slot);
+		copy.X_WB = putRight(int(slot));
 		copy.shifted += body.shift;
 		copy.turned += body.turn;
 		body.shift = body.turn = {};
@@ -57,9 +64,9 @@ void BulletLocalWorld::reconcile(const WorldSnapshot& world) noexcept
 	}
 }
 
-int BulletLocalWorld::indexOf(int slotOrTool) noexcept
+std::size_t BulletLocalWorld::placeOf(int slotOrTool) const noexcept
 {
-	return slotOrTool >= 0 ? slotOrTool : slotOrTool == LinearContact::kTool ? kToolIndex : kFixedIndex;
+	return slotOrTool >= 0 ? std::size_t(slotOrTool) : m_bodies.size() + (slotOrTool == LinearContact::kTool ? 0 : 1);
 }
 
 /// Pose of the copy after its whole correction. The copy's supports are evaluated there. Otherwise a copy with a remaining error would be
@@ -67,7 +74,7 @@ int BulletLocalWorld::indexOf(int slotOrTool) noexcept
 ist::Pose BulletLocalWorld::putRight(int slot) const noexcept
 {
 	if (slot < 0) return {};
-	const Body& body = m_bodies[slot];
+	const Body& body = this->body(slot);
 	const ist::Pose& X = body.spent.X_WB;
 	return {turned(X.rotation, body.turn), X.translation + body.shift};
 }
@@ -79,7 +86,7 @@ void BulletLocalWorld::step(double h, const ist::Wrench& pull, LinearContact* to
 	for (int i = 0; i < count; ++i) addRow(touching[i], h);
 	for (int i = 0; i < world.contactCount; ++i)
 	{
-		const LinearContact& c = world.contacts[i];
+		const LinearContact& c = world.contacts[std::size_t(i)];
 		const LinearContact moved = movedTo(c, putRight(c.a), putRight(c.b));
 		if (isFinite(moved.wrench) && isFinite(moved.point)) addRow(moved, h);
 	}
@@ -90,43 +97,41 @@ void BulletLocalWorld::step(double h, const ist::Wrench& pull, LinearContact* to
 
 void BulletLocalWorld::accelerate(double h, const ist::Wrench& pull, const WorldSnapshot& world) noexcept
 {
-	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	for (std::size_t slot = 0; slot < m_bodies.size(); ++slot)
 	{
 		const MirroredBody& body = world.bodies[slot];
 		const SpentImpulse& copy = m_bodies[slot].spent;
-		m_twists[slot] = copy.twist;
+		Place& place = m_places[slot];
+		place.twist = copy.twist;
 		if (body.epoch == 0) continue;
-		m_rowBodies[slot] = {body.inverseMass, inWorld(body.inverseInertia, copy.X_WB.rotation), copy.X_WB.translation};
-		if (body.inverseMass != ist::Vec3{}) m_twists[slot].linear += h * body.gravity;
+		place.body = {body.inverseMass, inWorld(body.inverseInertia, copy.X_WB.rotation), copy.X_WB.translation};
+		if (body.inverseMass != ist::Vec3{}) place.twist.linear += h * body.gravity;
 	}
 	const double inverse = 1 / tool.mass;
 	const ist::Pose& X_WT = tool.state.X_WT;
-	m_rowBodies[kToolIndex] = {{inverse, inverse, inverse}, inWorld(tool.inverseInertia, X_WT.rotation), X_WT.translation};
-	m_twists[kToolIndex] = tool.state.twist;
-	m_twists[kToolIndex].linear += h * tool.gravity;
-	kick(kToolIndex, X_WT.translation, h * pull);
+	toolPlace().body = {{inverse, inverse, inverse}, inWorld(tool.inverseInertia, X_WT.rotation), X_WT.translation};
+	toolPlace().twist = tool.state.twist;
+	toolPlace().twist.linear += h * tool.gravity;
+	kick(toolPlace(), X_WT.translation, h * pull);
 }
 
 void BulletLocalWorld::addRow(const LinearContact& c, double h) noexcept
 {
-	const int a = indexOf(c.a), b = indexOf(c.b), row = m_rowCount++;
-	m_rowA[row] = a;
-	m_rowB[row] = b;
-	m_rows[row].prepare(contactPatch(c), m_rowBodies[a], m_rowBodies[b], h, c.friction);
+	Row& row = m_rows[m_rowCount++];
+	row.a = placeOf(c.a);
+	row.b = placeOf(c.b);
+	row.row.prepare(contactPatch(c), m_places[row.a].body, m_places[row.b].body, h, c.friction);
 }
 
-void BulletLocalWorld::kick(int index, const ist::Vec3& point, const ist::Wrench& impulse) noexcept
+void BulletLocalWorld::kick(Place& place, const ist::Vec3& point, const ist::Wrench& impulse) noexcept
 {
-	const btVolumetricRowBody& body = m_rowBodies[index];
-	ist::Twist& twist = m_twists[index];
-	for (int i = 0; i < 3; ++i) twist.linear[i] += body.inverseMass[i] * impulse.force[i];
-	twist.angular += body.inverseInertia * (impulse.torque + cross(point - body.center, impulse.force));
+	for (int i = 0; i < 3; ++i) place.twist.linear[i] += place.body.inverseMass[i] * impulse.force[i];
+	place.twist.angular += place.body.inverseInertia * (impulse.torque + cross(point - place.body.center, impulse.force));
 }
 
-ist::Twist BulletLocalWorld::twistAt(int index, const ist::Vec3& point) const noexcept
+ist::Twist BulletLocalWorld::twistAt(const Place& place, const ist::Vec3& point) noexcept
 {
-	const ist::Twist& twist = m_twists[index];
-	return {twist.linear + cross(twist.angular, point - m_rowBodies[index].center), twist.angular};
+	return {place.twist.linear + cross(place.twist.angular, point - place.body.center), place.twist.angular};
 }
 
 /// Each row is checked by itself, because the force of a heavy body on its support would hide the forces that the hand feels.
@@ -138,23 +143,24 @@ bool BulletLocalWorld::isSettled(const ist::Wrench& change, const ist::Wrench& w
 
 void BulletLocalWorld::solve() noexcept
 {
-	bool moves[kIndices], stands[kIndices];  // a body that others move is neither
-	for (int i = 0; i < kIndices; ++i)
+	for (Place& place : m_places)
 	{
-		moves[i] = isMovable(m_rowBodies[i]);
-		stands[i] = !moves[i] && m_twists[i].linear == ist::Vec3() && m_twists[i].angular == ist::Vec3();
+		place.moves = isMovable(place.body);
+		place.stands = !place.moves && place.twist.linear == ist::Vec3() && place.twist.angular == ist::Vec3();
 	}
-	const auto twistOf = [&](int index, const ist::Vec3& point) { return stands[index] ? ist::Twist() : twistAt(index, point); };
+	const auto twistOf = [](const Place& place, const ist::Vec3& point) { return place.stands ? ist::Twist() : twistAt(place, point); };
 	for (int sweep = 0; sweep < kSweeps; ++sweep)
 	{
 		bool settled = true;
-		for (int row = 0; row < m_rowCount; ++row)
+		for (std::size_t i = 0; i < m_rowCount; ++i)
 		{
-			const ist::Vec3& point = m_rows[row].point();
-			const ist::Twist a = twistOf(m_rowA[row], point), b = twistOf(m_rowB[row], point);
-			const ist::Wrench change = m_rows[row].solve({a.linear - b.linear, a.angular - b.angular}), whole = m_rows[row].impulse();
-			if (moves[m_rowA[row]]) kick(m_rowA[row], point, change);
-			if (moves[m_rowB[row]]) kick(m_rowB[row], point, -1.0 * change);
+			btVolumetricRow& row = m_rows[i].row;
+			Place &A = m_places[m_rows[i].a], &B = m_places[m_rows[i].b];
+			const ist::Vec3& point = row.point();
+			const ist::Twist a = twistOf(A, point), b = twistOf(B, point);
+			const ist::Wrench change = row.solve({a.linear - b.linear, a.angular - b.angular}), whole = row.impulse();
+			if (A.moves) kick(A, point, change);
+			if (B.moves) kick(B, point, -1.0 * change);
 			settled = settled && isSettled(change, whole);
 		}
 		if (settled) return;
@@ -165,19 +171,21 @@ void BulletLocalWorld::enterSpent(const LinearContact* touching, int count) noex
 {
 	for (int i = 0; i < count; ++i)
 	{
-		m_impulses[i] = m_rows[i].impulse();
-		if (!isFinite(m_impulses[i])) m_impulses[i] = {};  // only finite impulses are passed on
-		m_given += m_impulses[i].force;
-		SpentImpulse& copy = m_bodies[touching[i].b].spent;
-		const ist::Wrench onBody = -1.0 * m_impulses[i];
+		const btVolumetricRow& row = m_rows[std::size_t(i)].row;  // the rows of the tool come first
+		ist::Wrench& impulse = m_impulses[std::size_t(i)];
+		impulse = row.impulse();
+		if (!isFinite(impulse)) impulse = {};  // only finite impulses are passed on
+		m_given += impulse.force;
+		SpentImpulse& copy = body(touching[i].b).spent;
+		const ist::Wrench onBody = -1.0 * impulse;
 		copy.impulse.force += onBody.force;
-		copy.impulse.torque += onBody.torque + cross(m_rows[i].point() - copy.X_WB.translation, onBody.force);
+		copy.impulse.torque += onBody.torque + cross(row.point() - copy.X_WB.translation, onBody.force);
 	}
 }
 
 void BulletLocalWorld::move(double h, const WorldSnapshot& world) noexcept
 {
-	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	for (std::size_t slot = 0; slot < m_bodies.size(); ++slot)
 	{
 		if (world.bodies[slot].epoch == 0) continue;
 		Body& body = m_bodies[slot];
@@ -189,14 +197,14 @@ void BulletLocalWorld::move(double h, const WorldSnapshot& world) noexcept
 		body.turn -= turn;
 		copy.shifted += shift;
 		copy.turned += turn;
-		copy.twist = isFinite(m_twists[slot]) ? m_twists[slot] : ist::Twist();
+		copy.twist = isFinite(m_places[slot].twist) ? m_places[slot].twist : ist::Twist();
 		copy.X_WB = {turned(copy.X_WB.rotation, h * copy.twist.angular + turn), copy.X_WB.translation + h * copy.twist.linear + shift};
 		copy.area = copy.area + h * copy.impulse;
 		copy.seconds += h;
 	}
 	ToolState& t = tool.state;
-	m_toolIsBroken = !isFinite(m_twists[kToolIndex]);
-	t.twist = m_toolIsBroken ? ist::Twist() : m_twists[kToolIndex];
+	m_toolIsBroken = !isFinite(toolPlace().twist);
+	t.twist = m_toolIsBroken ? ist::Twist() : toolPlace().twist;
 	t.X_WT = {turned(t.X_WT.rotation, h * t.twist.angular), t.X_WT.translation + h * t.twist.linear};
 }
 }  // namespace devicebridge

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include <vector>
+
 #include "BulletHapticForce/Solver/btVolumetricRows.h"
 #include "DeviceBridge/Loop/WorldMirror.h"
 
@@ -30,6 +32,9 @@ struct LocalTool
 class BulletLocalWorld
 {
 public:
+	/// `slots` is that of the snapshots.
+	explicit BulletLocalWorld(int slots = kMirroredBodies);
+
 	static constexpr double kTeleport = 0.05;  ///< pose error above which a copy is corrected at once, and its contact fades in again [m]
 
 	/// Corrects the copies by a new snapshot.
@@ -45,42 +50,52 @@ public:
 		ist::Vec3 shift, turn;  ///< remaining correction of the pose [m, rad]
 		double left = 0;        ///< remaining time for it [s]
 	};
-	Body& body(int slot) noexcept { return m_bodies[slot]; }
-	const Body& body(int slot) const noexcept { return m_bodies[slot]; }
+	Body& body(int slot) noexcept { return m_bodies[std::size_t(slot)]; }
+	const Body& body(int slot) const noexcept { return m_bodies[std::size_t(slot)]; }
 	/// Impulse on the tool in the last step from the contact `touching[i]`, about the contact's point, World [N s, N m s].
-	const ist::Wrench& impulse(int i) const noexcept { return m_impulses[i]; }
+	const ist::Wrench& impulse(int i) const noexcept { return m_impulses[std::size_t(i)]; }
 	/// Whether the last step gave the tool a twist that is not finite; the twist was then set to zero.
 	bool toolIsBroken() const noexcept { return m_toolIsBroken; }
 	/// Sum of the impulses that contacts have given to the tool [N s].
 	const ist::Vec3& given() const noexcept { return m_given; }
 
 private:
-	static constexpr int kToolIndex = kMirroredBodies, kFixedIndex = kMirroredBodies + 1, kIndices = kMirroredBodies + 2;
-	static constexpr int kRows = kMirroredContacts + kToolContacts;
 	static constexpr int kSweeps = 12;        // largest number of sweeps
 	static constexpr double kSettled = 1e-5;  // largest change in the last sweep, as a share of each row's impulse
 	// Absolute part of that limit, for rows with almost no impulse [N s, N m s]. At 1 kHz it is a micronewton, with a lever of a
 	// centimetre.
 	static constexpr double kSettledForce = 1e-9, kSettledTorque = 1e-11;
 
-	static int indexOf(int slotOrTool) noexcept;
+	/// A slot, the tool, or everything that is fixed, in the arrays below.
+	struct Place
+	{
+		btVolumetricRowBody body;
+		ist::Twist twist;
+		bool moves = false, stands = false;  ///< a body that others move is neither
+	};
+	struct Row
+	{
+		btVolumetricRow row;
+		std::size_t a = 0, b = 0;  ///< places
+	};
+
+	std::size_t placeOf(int slotOrTool) const noexcept;
+	Place& toolPlace() noexcept { return m_places[m_bodies.size()]; }
 	ist::Pose putRight(int slot) const noexcept;
 	void accelerate(double h, const ist::Wrench& pull, const WorldSnapshot& world) noexcept;
 	void addRow(const LinearContact& contact, double h) noexcept;
 	static bool isSettled(const ist::Wrench& change, const ist::Wrench& whole) noexcept;
 	void solve() noexcept;
-	void kick(int index, const ist::Vec3& point, const ist::Wrench& impulse) noexcept;
-	ist::Twist twistAt(int index, const ist::Vec3& point) const noexcept;
+	static void kick(Place& place, const ist::Vec3& point, const ist::Wrench& impulse) noexcept;
+	static ist::Twist twistAt(const Place& place, const ist::Vec3& point) noexcept;
 	void enterSpent(const LinearContact* touching, int count) noexcept;
 	void move(double h, const WorldSnapshot& world) noexcept;
 
-	Body m_bodies[kMirroredBodies];
-	btVolumetricRowBody m_rowBodies[kIndices];
-	ist::Twist m_twists[kIndices];
-	btVolumetricRow m_rows[kRows];
-	int m_rowA[kRows] = {}, m_rowB[kRows] = {};
-	int m_rowCount = 0;
-	ist::Wrench m_impulses[kToolContacts];
+	std::vector<Body> m_bodies;
+	std::vector<Place> m_places;  // the slots, then the tool, then what is fixed
+	std::vector<Row> m_rows;
+	std::size_t m_rowCount = 0;
+	std::vector<ist::Wrench> m_impulses;
 	ist::Vec3 m_given;
 	bool m_toolIsBroken = false;
 };

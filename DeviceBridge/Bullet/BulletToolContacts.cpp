@@ -15,55 +15,77 @@ std::shared_ptr<const ist::InnerSphereTree> notOwned(const ist::InnerSphereTree*
 }
 }  // namespace
 
-BulletToolContacts::BulletToolContacts(const ist::InnerSphereTree& tool, std::int64_t maxPairs) : m_tool(tool), m_maxPairs(maxPairs)
+BulletToolContacts::BulletToolContacts(const std::vector<ToolPart>& tool, std::int64_t maxPairs) : m_tool(tool), m_maxPairs(maxPairs)
 {
-	m_contact.treeA = notOwned(&tool);
-	m_workspace.reserve(tool, tool);
+	for (const ToolPart& part : tool)
+	{
+		if (!part.tree) continue;
+		m_workspace.reserve(*part.tree, *part.tree);
+		m_buffersFor = std::max(m_buffersFor, mostSlots(*part.tree));
+	}
 	m_workspace.makeResident();
-	m_buffersFor = mostSlots(tool);
 }
 
 void BulletToolContacts::reserve(const ist::InnerSphereTree& tree)
 {
 	const std::size_t slots = mostSlots(tree);
 	if (slots <= m_buffersFor) return;
-	m_buffers.writable() = std::make_unique<ist::QueryBuffers>(m_tool, tree);
+	// It serves queries of this tree with any part of the tool, because no part has more slots.
+	m_buffers.writable() = std::make_unique<ist::QueryBuffers>(tree, tree);
 	m_buffers.publish();
 	m_buffersFor = slots;
 }
 
-ist::OverlapResult BulletToolContacts::ask(const ist::Pose& X_WT, const MirroredBody& body, const ist::Pose& X_WB) noexcept
+/// The tool is A if its part has a tree; otherwise the body is.
+BulletToolContacts::Sides BulletToolContacts::sidesOf(
+	const ToolPart& part, const ist::Pose& X_WT, const MirroredPair& pair, const ist::Pose& X_WB) noexcept
+{
+	const ist::Pose X_WP = X_WT * part.X_TP, X_WQ = X_WB * pair.X_BP;
+	if (part.tree) return {part.tree.get(), pair.tree, &pair.field, X_WP, X_WQ, pair.toolWeight};
+	return {pair.tree, nullptr, &part.field, X_WQ, X_WP, 1 - pair.toolWeight};
+}
+
+ist::OverlapResult BulletToolContacts::ask(const Sides& sides, double dissipation) noexcept
 {
 	ist::QueryOptions options;
-	if (body.dissipation > 0) options.damping = {body.toolWeight, 1 - body.toolWeight};
-	if (!body.tree)  // a half-space has no levels
+	if (dissipation > 0) options.damping = {sides.weightA, 1 - sides.weightA};
+	const ist::Pose X_AB = inverse(sides.X_WA) * sides.X_WB;
+	if (!sides.treeB)  // a closed form has no levels
 	{
-		const ist::Vec3 normal = transpose(X_WT.rotation) * body.planeNormal;
-		return queryHalfSpace(m_tool, normal, body.planeOffset - dot(body.planeNormal, X_WT.translation), m_workspace, options);
+		const ist::AnalyticField* field = ist::fieldIn(*sides.fieldB);
+		if (field) return queryField(*sides.treeA, *field, X_AB, m_workspace, options);
+		ist::OverlapResult none;
+		none.status = ist::QueryStatus::InvalidPose;
+		return none;
 	}
-	const ist::Pose X_TB = inverse(X_WT) * X_WB;
 	options.maxPairs = m_maxPairs;
-	const ist::OverlapResult result = queryOverlap(m_tool, *body.tree, X_TB, m_workspace, options);
+	const ist::OverlapResult result = queryOverlap(*sides.treeA, *sides.treeB, X_AB, m_workspace, options);
 	if (result.status != ist::QueryStatus::BudgetTooSmall) return result;
 	++m_overBudget;
 	options.maxPairs = -1;
-	return queryOverlap(m_tool, *body.tree, X_TB, m_workspace, options);
+	return queryOverlap(*sides.treeA, *sides.treeB, X_AB, m_workspace, options);
 }
 
-int BulletToolContacts::find(const ist::Pose& X_WT, const MirroredBody& body, const ist::Pose& X_WB, int slot, LinearContact* out,
-	int capacity, double& volume) noexcept
+int BulletToolContacts::find(const ist::Pose& X_WT, const MirroredPair& pair, const MirroredBody& body, const ist::Pose& X_WB,
+	LinearContact* out, int capacity, double& volume) noexcept
 {
 	if (m_buffers.fetch()) m_workspace.take(*m_buffers.readable());
+	const ToolPart& part = m_tool[std::size_t(pair.toolPart)];
+	const Sides sides = sidesOf(part, X_WT, pair, X_WB);
+	if (!sides.treeA) return 0;
 	const double begin = m_measures ? ist::threadMicroseconds() : 0;
-	const ist::OverlapResult result = ask(X_WT, body, X_WB);
+	const ist::OverlapResult result = ask(sides, pair.dissipation);
 	if (m_measures) m_queryMicroseconds += ist::threadMicroseconds() - begin;
 	m_refused += result.status != ist::QueryStatus::Ok;
 	if (result.status != ist::QueryStatus::Ok || !(result.total.volume > 0)) return 0;
 	m_coarsened += result.coarsened;
-	m_contact.treeB = notOwned(body.tree);
-	m_contact.halfSpace = !body.tree;
-	m_contact.X_WA = X_WT;
-	m_contact.constants = {body.k, body.toolWeight, 1 - body.toolWeight, 0, body.dissipation};
+	m_contact.treeA = notOwned(sides.treeA);
+	m_contact.treeB = notOwned(sides.treeB);
+	m_contact.X_WA = sides.X_WA;
+	m_contact.constants.k = pair.k;
+	m_contact.constants.weightA = sides.weightA;
+	m_contact.constants.weightB = 1 - sides.weightA;
+	m_contact.constants.dissipation = pair.dissipation;
 	m_contact.total = result.total;
 	m_contact.patchCount = std::min(result.patchCount, btISTContact::kMaxPatches);
 	std::copy(result.patches, result.patches + m_contact.patchCount, m_contact.patches);
@@ -71,12 +93,22 @@ int BulletToolContacts::find(const ist::Pose& X_WT, const MirroredBody& body, co
 
 	int count = 0;
 	btContactPatch patch;
-	for (int i = 0; i < m_contact.patchCount && count < capacity; ++i)
+	for (int i = 0; i < m_contact.patchCount; ++i)
 	{
 		if (!evaluateContactPatch(m_contact, i, patch)) continue;
+		if (count == capacity)
+		{
+			++m_dropped;
+			continue;
+		}
 		LinearContact& c = out[count++] = linearContact(patch, X_WT, X_WB);
+		if (!part.tree)  // the law gave the wrench on the body
+		{
+			c.normal = -c.normal;
+			c.wrench = -1.0 * c.wrench;
+		}
 		c.a = LinearContact::kTool;
-		c.b = slot;
+		c.b = pair.slot;
 		c.epoch = body.epoch;
 		c.friction = body.friction;
 		c.volume = m_contact.patches[i].volume;

@@ -2,14 +2,18 @@
 #include "DeviceBridge/Bullet/BulletWorldCoupling.h"
 
 #include "BulletISTCollision/Registry/btISTConversion.h"
+#include "DeviceBridge/Bullet/BulletLinks.h"
+#include "DeviceBridge/Bullet/BulletShapeParts.h"
 
 #include "BulletCollision/CollisionDispatch/btManifoldResult.h"
-#include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
+#include "BulletDynamics/Featherstone/btMultiBodyLinkCollider.h"
 #include "LinearMath/btMotionState.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <variant>
 
 namespace devicebridge
 {
@@ -57,7 +61,8 @@ ist::Vec3 freely(const ist::Vec3& response, const ist::Vec3& whole)
 BulletWorldCoupling::BulletWorldCoupling(btDynamicsWorld& world, btISTRegistration& registration, const btISTPairRule& rule)
 	: m_world(world),
 	  m_registration(registration),
-	  m_rule(rule)
+	  m_rule(rule),
+	  m_links(std::make_unique<BulletLinks>())
 {
 	m_registration.store().sumDamping(true);  // the hands need the damping, with any solver
 }
@@ -66,10 +71,13 @@ BulletWorldCoupling::~BulletWorldCoupling() = default;
 
 void BulletWorldCoupling::add(BulletDecoupledSource& hand)
 {
+	const auto isIt = [&](const Hand& h) { return h.source == &hand; };
+	if (std::any_of(m_hands.begin(), m_hands.end(), isIt)) return;
 	hand.mirror().leaveAll();
 	Hand added;
 	added.source = &hand;
-	added.finder = std::make_unique<BulletToolContacts>(*hand.toolTree(), hand.settings().maxPairs);
+	added.finder = std::make_unique<BulletToolContacts>(hand.toolParts(), hand.settings().maxPairs);
+	added.tenants.resize(std::size_t(hand.mirror().slots()));
 	m_hands.push_back(std::move(added));
 }
 
@@ -78,6 +86,8 @@ void BulletWorldCoupling::remove(BulletDecoupledSource& hand)
 	const auto found = std::find_if(m_hands.begin(), m_hands.end(), [&](const Hand& h) { return h.source == &hand; });
 	if (found == m_hands.end()) return;
 	m_hands.erase(found);
+	m_unfelt.erase(
+		std::remove_if(m_unfelt.begin(), m_unfelt.end(), [&](const BulletUnfeltBody& u) { return u.hand == &hand; }), m_unfelt.end());
 	hand.serveContacts();  // an open question refers to trees
 	hand.mirror().clear();
 }
@@ -85,14 +95,19 @@ void BulletWorldCoupling::remove(BulletDecoupledSource& hand)
 void BulletWorldCoupling::forget(const btCollisionObject* body)
 {
 	for (Hand& hand : m_hands)
-		for (int slot = 0; slot < kMirroredBodies; ++slot)
+		for (int slot = 0; slot < hand.source->mirror().slots(); ++slot)
 		{
-			if (hand.bodies[slot] != body) continue;
-			hand.bodies[slot] = nullptr;
+			btCollisionObject*& object = hand.tenants[std::size_t(slot)].object;
+			if (object != body) continue;
+			object = nullptr;
 			hand.source->mirror().body(slot).id = nullptr;
 			hand.source->mirror().leave(slot);
 		}
+	m_unfelt.erase(
+		std::remove_if(m_unfelt.begin(), m_unfelt.end(), [&](const BulletUnfeltBody& u) { return u.body == body; }), m_unfelt.end());
 	m_pushed.erase(std::remove_if(m_pushed.begin(), m_pushed.end(), [&](const Pushed& p) { return p.body == body; }), m_pushed.end());
+	m_pushedLinks.erase(std::remove_if(m_pushedLinks.begin(), m_pushedLinks.end(), [&](const PushedLink& p) { return p.link == body; }),
+		m_pushedLinks.end());
 }
 
 void BulletWorldCoupling::step(double seconds)
@@ -106,6 +121,7 @@ void BulletWorldCoupling::step(double seconds)
 bool BulletWorldCoupling::begin(double seconds)
 {
 	m_pushed.clear();
+	m_pushedLinks.clear();
 	m_seconds = seconds > 0 && std::isfinite(seconds) ? seconds : 0;
 	return m_seconds > 0;
 }
@@ -131,8 +147,8 @@ void BulletWorldCoupling::beforeStep(double seconds)
 		mirror.collect();
 		hand.moving = mirror.posted().tick != hand.tick;
 		hand.tick = mirror.posted().tick;
-		for (int slot = 0; slot < kMirroredBodies; ++slot)
-			if (hand.bodies[slot]) push(hand, slot);
+		for (int slot = 0; slot < mirror.slots(); ++slot)
+			if (hand.tenants[std::size_t(slot)].object) push(hand, slot);
 	}
 	for (const Pushed& pushed : m_pushed)
 	{
@@ -147,13 +163,46 @@ void BulletWorldCoupling::push(Hand& hand, int slot)
 	const WorldMirror::Taken& taken = hand.source->mirror().taken(slot);
 	hand.applied += taken.impulse.force;
 	const double size = norm(taken.impulse.force);
-	btRigidBody* body = btRigidBody::upcast(hand.bodies[slot]);
-	if (!movable(body) || (size == 0 && norm(taken.impulse.torque) == 0)) return;
+	btCollisionObject* object = hand.tenants[std::size_t(slot)].object;
+	if (size == 0 && norm(taken.impulse.torque) == 0) return;
+	if (const auto* link = btMultiBodyLinkCollider::upcast(object)) return pushLink(*link, taken.impulse);
+	btRigidBody* body = btRigidBody::upcast(object);
+	if (!movable(body)) return;
 	auto found = std::find_if(m_pushed.begin(), m_pushed.end(), [&](const Pushed& p) { return p.body == body; });
 	if (found == m_pushed.end())
 		found = m_pushed.insert(m_pushed.end(), {body, {toVec3(body->getLinearVelocity()), toVec3(body->getAngularVelocity())}, {}, 0});
 	found->impulse = found->impulse + taken.impulse;
 	found->share += size * taken.share;
+}
+
+void BulletWorldCoupling::pushLink(const btMultiBodyLinkCollider& link, const ist::Wrench& impulse)
+{
+	if (link.isStaticOrKinematicObject()) return;
+	BulletLinks::push(link, {impulse.force / m_seconds, impulse.torque / m_seconds});
+	MirroredBody now;
+	now.X_WB = toRigidPose(link.getWorldTransform());
+	m_links->describe(link, now);
+	PushedLink pushed{&link, impulse.force, now.twist.linear, {}};
+	for (int i = 0; i < 3; ++i) pushed.expected[i] = now.inverseMass[i] * impulse.force[i];
+	m_pushedLinks.push_back(pushed);
+}
+
+void BulletWorldCoupling::describeLink(Hand& hand, int slot, const btMultiBodyLinkCollider& link)
+{
+	MirroredBody& out = hand.source->mirror().body(slot);
+	double& response = hand.tenants[std::size_t(slot)].response;
+	if (!m_stepped) return;
+	m_links->describe(link, out);
+	for (const PushedLink& pushed : m_pushedLinks)
+	{
+		const double expected = dot(pushed.expected, pushed.impulse);
+		if (pushed.link == &link && expected > 0)
+			response = std::clamp(dot(out.twist.linear - pushed.before, pushed.impulse) / expected, 0.0, 1.0);
+	}
+	if (link.isStaticOrKinematicObject()) response = 0;
+	out.inverseMass *= response;
+	for (auto& row : out.inverseInertia.m)
+		for (double& value : row) value *= response;
 }
 
 /// Reduces the displacement, because the impulse's velocity was not present from the beginning of the step. A body that a table or
@@ -179,12 +228,15 @@ void BulletWorldCoupling::putBack()
 
 void BulletWorldCoupling::afterStep()
 {
-	if (m_seconds > 0) publish(m_registration.store().step() - 1);
+	if (!(m_seconds > 0)) return;
+	m_stepped = true;
+	publish(m_registration.store().step() - 1);
 }
 
 /// `stamp` is that of the contacts of the present world.
 void BulletWorldCoupling::publish(std::uint64_t stamp)
 {
+	m_unfelt.clear();
 	for (Hand& hand : m_hands)
 	{
 		WorldSnapshot& out = hand.source->mirror().writable();
@@ -197,43 +249,62 @@ void BulletWorldCoupling::publish(std::uint64_t stamp)
 	for (Hand& hand : m_hands)
 	{
 		WorldMirror& mirror = hand.source->mirror();
-		for (int slot = 0; slot < kMirroredBodies; ++slot)
-			if (hand.bodies[slot] && isFiniteBody(*hand.bodies[slot])) describe(hand, slot);
+		for (int slot = 0; slot < mirror.slots(); ++slot)
+		{
+			const btCollisionObject* object = hand.tenants[std::size_t(slot)].object;
+			if (object && isFiniteBody(*object)) describe(hand, slot);
+		}
+		listPairs(hand, mirror.writable());
 		findToolContacts(hand, mirror.writable());
 		mirror.publish(m_seconds);
 	}
 }
 
+/// Whether a part of the tool comes near a box within a step. `share` is a multiple of the distance.
+bool BulletWorldCoupling::isNear(const Hand& hand, const ToolPart& part, const btVector3& low, const btVector3& high, double share) const
+{
+	const double reach = part.radius + kReach + kHandSpeed * m_seconds;
+	return distanceToBox(hand.source->mirror().posted().tool.X_WT * part.center, low, high) <= share * reach;
+}
+
+bool BulletWorldCoupling::isNear(const Hand& hand, const btCollisionObject& object, double share) const
+{
+	btVector3 low, high;
+	object.getCollisionShape()->getAabb(object.getWorldTransform(), low, high);
+	const std::vector<ToolPart>& parts = hand.source->toolParts();
+	return std::any_of(parts.begin(), parts.end(), [&](const ToolPart& part) { return isNear(hand, part, low, high, share); });
+}
+
 void BulletWorldCoupling::chooseBodies(Hand& hand)
 {
 	WorldMirror& mirror = hand.source->mirror();
-	const ist::InnerSphereTree& tree = *hand.source->toolTree();
-	const ist::Vec3 center = mirror.posted().tool.X_WT * tree.origin;
-	const double radius = norm(componentMax(tree.box.upper, -tree.box.lower));
-	const double reach = radius + kReach + kHandSpeed * m_seconds;
-	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	for (int slot = 0; slot < mirror.slots(); ++slot)
 	{
-		if (mirror.releaseIfDone(slot)) hand.bodies[slot] = nullptr;
-		if (!hand.bodies[slot]) continue;
-		btVector3 low, high;
-		hand.bodies[slot]->getCollisionShape()->getAabb(hand.bodies[slot]->getWorldTransform(), low, high);
-		const bool near = distanceToBox(center, low, high) <= kLeaveAt * reach;
-		const bool stays = near && isAsAdmitted(hand, slot) && watches(hand, *hand.bodies[slot], true) && isFiniteBody(*hand.bodies[slot]);
+		Tenant& tenant = hand.tenants[std::size_t(slot)];
+		if (mirror.releaseIfDone(slot)) tenant.object = nullptr;
+		if (!tenant.object) continue;
+		const btCollisionObject& object = *tenant.object;
+		const bool stays = isNear(hand, object, kLeaveAt) && isAsAdmitted(tenant) && watches(hand, object, true) && isFiniteBody(object);
 		if (!stays) mirror.leave(slot);
 	}
 	if (!hand.moving) return;
 	const btCollisionObjectArray& objects = m_world.getCollisionObjectArray();
-	for (int i = 0; i < objects.size(); ++i) admit(hand, *objects[i], center, reach);
+	for (int i = 0; i < objects.size(); ++i) admit(hand, *objects[i]);
 }
 
-/// Whether a body still has contact response, and the tree with which it entered is still that of its shape. Without a tree its shape must
-/// still be a plane.
-bool BulletWorldCoupling::isAsAdmitted(const Hand& hand, int slot) const
+/// Whether a body still has contact response, and its shape still has the parts and the trees with which it entered.
+bool BulletWorldCoupling::isAsAdmitted(const Tenant& tenant) const
 {
-	const btCollisionShape* shape = hand.bodies[slot]->getCollisionShape();
-	const auto tree = m_registration.registry().find(shape);
-	if (tree != hand.source->mirror().tree(slot) || !hand.bodies[slot]->hasContactResponse()) return false;
-	return tree || shape->getShapeType() == STATIC_PLANE_PROXYTYPE;
+	if (!tenant.object->hasContactResponse()) return false;
+	const btISTRegistry& registry = m_registration.registry();
+	std::size_t at = 0;
+	bool same = true;
+	forEachShapePart(registry, *tenant.object->getCollisionShape(), [&](const btCollisionShape& part, const ist::Pose&) {
+		same = same && at < tenant.parts.size() && tenant.parts[at].shape == &part && tenant.parts[at].type == part.getShapeType() &&
+			tenant.parts[at].tree == registry.find(&part).get();
+		++at;
+	});
+	return same && at == tenant.parts.size();
 }
 
 /// Whether the pair filter accepts tool and body. The tool is in no world, so its box is that of its last post.
@@ -248,60 +319,154 @@ bool BulletWorldCoupling::watches(const Hand& hand, const btCollisionObject& bod
 	return filter.acceptsBoxes(lowerTool, upperTool, lower, upper, was);
 }
 
-void BulletWorldCoupling::admit(Hand& hand, btCollisionObject& object, const ist::Vec3& center, double reach)
+void BulletWorldCoupling::report(const Hand& hand, const btCollisionObject& body, BulletUnfeltBody::Reason reason, bool inPart)
 {
-	if (!object.hasContactResponse() || !btRigidBody::upcast(&object) || !isFiniteBody(object)) return;
-	if (!watches(hand, object, false)) return;
-	const btCollisionShape* shape = object.getCollisionShape();
-	btVector3 low, high;
-	shape->getAabb(object.getWorldTransform(), low, high);
-	if (distanceToBox(center, low, high) > reach || hand.source->mirror().find(&object) >= 0) return;
-	auto tree = m_registration.registry().find(shape);
-	if (!tree && shape->getShapeType() != STATIC_PLANE_PROXYTYPE) return;
-	if (tree) hand.source->reserve(*tree);
-	const int slot = hand.source->mirror().admit(&object, std::move(tree));
+	m_unfelt.push_back({&body, hand.source, reason, inPart});
+}
+
+void BulletWorldCoupling::admit(Hand& hand, btCollisionObject& object)
+{
+	WorldMirror& mirror = hand.source->mirror();
+	if (!object.hasContactResponse() || &object == &hand.source->tool() || mirror.find(&object) >= 0) return;
+	if (!isFiniteBody(object)) return report(hand, object, BulletUnfeltBody::NotFinite, false);
+	if (!isNear(hand, object, 1) || !watches(hand, object, false)) return;
+	if (object.getInternalType() == btCollisionObject::CO_SOFT_BODY) return report(hand, object, BulletUnfeltBody::NotSupported, false);
+	const btISTRegistry& registry = m_registration.registry();
+	std::vector<PartKey> parts;
+	WorldMirror::Trees trees;
+	bool hasModel = false;
+	forEachShapePart(registry, *object.getCollisionShape(), [&](const btCollisionShape& part, const ist::Pose&) {
+		ShapeModel model = ShapeModel::of(registry, part);
+		hasModel = hasModel || model.isKnown();
+		parts.push_back({&part, part.getShapeType(), model.tree.get()});
+		if (model.tree) trees.push_back(std::move(model.tree));
+	});
+	if (!hasModel) return report(hand, object, BulletUnfeltBody::NoModel, false);
+	if (trees.empty() && !hand.source->toolTree()) return report(hand, object, BulletUnfeltBody::NoTree, false);
+	for (const auto& tree : trees) hand.source->reserve(*tree);
+	const int slot = mirror.admit(&object, std::move(trees));
 	if (slot < 0)
 	{
 		++m_crowded;
-		return;
+		return report(hand, object, BulletUnfeltBody::NoSlot, false);
 	}
-	hand.bodies[slot] = &object;
+	hand.tenants[std::size_t(slot)] = {&object, std::move(parts), 1};
+}
+
+void BulletWorldCoupling::listPairs(Hand& hand, WorldSnapshot& out)
+{
+	out.pairCount = 0;
+	for (int slot = 0; slot < hand.source->mirror().slots(); ++slot)
+	{
+		const btCollisionObject* object = hand.tenants[std::size_t(slot)].object;
+		// The shape of a body that leaves may have been replaced.
+		if (object && !hand.source->mirror().body(slot).leaving && isFiniteBody(*object)) listPairs(hand, slot, out);
+	}
+}
+
+/// Lists the parts of a body that the tool can reach within a step.
+void BulletWorldCoupling::listPairs(Hand& hand, int slot, WorldSnapshot& out)
+{
+	const btCollisionObject& object = *hand.tenants[std::size_t(slot)].object;
+	const btISTRegistry& registry = m_registration.registry();
+	const std::vector<ToolPart>& tool = hand.source->toolParts();
+	bool lacks[3] = {};  // pair, model, tree
+	bool felt = false;
+	forEachShapePart(registry, *object.getCollisionShape(), [&](const btCollisionShape& shape, const ist::Pose& X_BS) {
+		btVector3 low, high;
+		shape.getAabb(object.getWorldTransform() * toTransform(X_BS), low, high);
+		std::optional<ShapeModel> model;
+		for (std::size_t i = 0; i < tool.size(); ++i)
+		{
+			if (!isNear(hand, tool[i], low, high, kLeaveAt)) continue;
+			if (!model) model = ShapeModel::of(registry, shape);
+			const bool known = model->isKnown(), hasTree = model->tree || tool[i].tree;
+			const bool full = out.pairCount == static_cast<int>(out.pairs.size());
+			lacks[1] = lacks[1] || !known;
+			lacks[2] = lacks[2] || (known && !hasTree);
+			if (!known || !hasTree) continue;
+			lacks[0] = lacks[0] || full;
+			if (full) continue;
+			MirroredPair& pair = out.pairs[std::size_t(out.pairCount++)];
+			pair.slot = slot;
+			pair.toolPart = static_cast<int>(i);
+			pair.tree = model->tree.get();
+			pair.field = model->field;
+			pair.X_BP = X_BS * model->X_SP;
+			setConstants(hand, object, pair, *model);
+			felt = true;
+		}
+	});
+	const BulletUnfeltBody::Reason reasons[] = {BulletUnfeltBody::NoPair, BulletUnfeltBody::NoModel, BulletUnfeltBody::NoTree};
+	for (int i = 0; i < 3; ++i)
+		if (lacks[i]) report(hand, object, reasons[i], felt);
+}
+
+/// The constants of a pair, decided as for bodies of the world. A has a tree.
+void BulletWorldCoupling::setConstants(const Hand& hand, const btCollisionObject& body, MirroredPair& out, const ShapeModel& model) const
+{
+	const ToolPart& part = hand.source->toolParts()[std::size_t(out.toolPart)];
+	const btRigidBody& tool = hand.source->tool();
+	const bool toolIsA = part.tree != nullptr;
+	btISTContact pair;
+	pair.treeA = toolIsA ? part.tree : model.tree;
+	pair.treeB = toolIsA ? model.tree : nullptr;
+	const ist::AnyField& fieldB = toolIsA ? model.field : part.field;
+	pair.halfSpace = !pair.treeB && std::holds_alternative<ist::HalfSpaceField>(fieldB);
+	if (!pair.treeB) pair.volumeB = ist::fieldIn(fieldB)->volume();
+	const btISTPairConstants constants = toolIsA ? m_rule.decide(pair, &tool, &body) : m_rule.decide(pair, &body, &tool);
+	out.k = constants.k;
+	out.toolWeight = toolIsA ? constants.weightA : constants.weightB;
+	out.dissipation = constants.dissipation;
+}
+
+const char* BulletUnfeltBody::adviceFor(Reason reason)
+{
+	switch (reason)
+	{
+	case NoSlot: return "all slots of the hand are taken: raise BulletDecoupledSettings::slots";
+	case NoPair: return "more parts are near the tool than the hand has room for: raise BulletDecoupledSettings::slots";
+	case NoModel: return "its shape has no inside that a query knows: attach a tree to the shape (btISTWorld::attach)";
+	case NoTree: return "neither it nor the tool has a tree: attach a tree to one of the two shapes (btISTWorld::attach)";
+	case NotFinite: return "its pose or velocity is not finite, or its axes are not at right angles: correct its transform";
+	case NotSupported: return "soft bodies are not felt";
+	}
+	return "";
+}
+
+std::string BulletWorldCoupling::unfeltReport(const btISTSceneReport::Names& names) const
+{
+	std::string text;
+	for (const BulletUnfeltBody& unfelt : m_unfelt)
+	{
+		text += names ? names(unfelt.body) : "body " + std::to_string(unfelt.body->getWorldArrayIndex());
+		text += unfelt.inPart ? " is not felt in all its parts: " : " is not felt: ";
+		text += std::string(BulletUnfeltBody::adviceFor(unfelt.reason)) + "\n";
+	}
+	return text;
 }
 
 void BulletWorldCoupling::describe(Hand& hand, int slot)
 {
 	MirroredBody& out = hand.source->mirror().body(slot);
-	const btRigidBody& body = *btRigidBody::upcast(hand.bodies[slot]);
-	out.X_WB = toRigidPose(body.getWorldTransform());
+	const btCollisionObject& object = *hand.tenants[std::size_t(slot)].object;
+	out.X_WB = toRigidPose(object.getWorldTransform());
 	out.X_WB.rotation = rotationMatrix(quaternion(out.X_WB.rotation));
-	out.twist = {toVec3(body.getLinearVelocity()), toVec3(body.getAngularVelocity())};
+	out.twist = {};
 	out.inverseMass = {};
 	out.inverseInertia = ist::zeroMat3();
-	if (movable(&body))
-	{
-		const ist::Mat3 R = out.X_WB.rotation;
-		out.inverseMass = double(body.getInvMass()) * toVec3(body.getLinearFactor());
-		ist::Pose inertia = toPose(btTransform(body.getInvInertiaTensorWorld()));
-		out.inverseInertia = transpose(R) * inertia.rotation * R;
-		out.gravity = toVec3(body.getGravity());
-	}
-	if (out.leaving) return;  // its shape may have been replaced
-	if (!out.tree)
-	{
-		const auto* plane = static_cast<const btStaticPlaneShape*>(body.getCollisionShape());
-		out.planeNormal = normalized(out.X_WB.rotation * toVec3(plane->getPlaneNormal()));
-		out.planeOffset = double(plane->getPlaneConstant()) + dot(out.planeNormal, out.X_WB.translation);
-	}
-	btRigidBody& tool = hand.source->tool();
-	btISTContact pair;
-	pair.treeA = hand.source->toolTree();
-	pair.treeB = hand.source->mirror().tree(slot);
-	pair.halfSpace = !pair.treeB;
-	const btISTPairConstants constants = m_rule.decide(pair, &tool, &body);
-	out.k = constants.k;
-	out.toolWeight = constants.weightA;
-	out.dissipation = constants.dissipation;
-	out.friction = std::max(0.0, double(gCalculateCombinedFrictionCallback(&tool, &body)));
+	out.friction = std::max(0.0, double(gCalculateCombinedFrictionCallback(&hand.source->tool(), &object)));
+	out.gravity = {};
+	if (const auto* link = btMultiBodyLinkCollider::upcast(&object)) return describeLink(hand, slot, *link);
+	const btRigidBody* body = btRigidBody::upcast(&object);
+	if (!body) return;
+	out.twist = {toVec3(body->getLinearVelocity()), toVec3(body->getAngularVelocity())};
+	if (!movable(body)) return;
+	const ist::Mat3 R = out.X_WB.rotation;
+	out.inverseMass = double(body->getInvMass()) * toVec3(body->getLinearFactor());
+	ist::Pose inertia = toPose(btTransform(body->getInvInertiaTensorWorld()));
+	out.inverseInertia = transpose(R) * inertia.rotation * R;
+	out.gravity = toVec3(body->getGravity());
 }
 
 /// Pose at the beginning of the step just taken, because all integrals of contact are about that pose.
@@ -316,6 +481,7 @@ ist::Pose BulletWorldCoupling::begunAt(const btCollisionObject* object) const
 void BulletWorldCoupling::showContacts(Hand& hand, WorldSnapshot& out, std::uint64_t stamp)
 {
 	const btISTContactStore& store = m_registration.store();
+	const int capacity = static_cast<int>(out.contacts.size());
 	for (const btISTContact* contact : store.contacts())
 	{
 		const int a = hand.source->mirror().find(contact->bodyA), b = hand.source->mirror().find(contact->bodyB);
@@ -325,10 +491,10 @@ void BulletWorldCoupling::showContacts(Hand& hand, WorldSnapshot& out, std::uint
 		if (contact->stamp != stamp && !asleep) continue;
 		const ist::Pose X_WA = a >= 0 ? begunAt(contact->bodyA) : ist::Pose(), X_WB = b >= 0 ? begunAt(contact->bodyB) : ist::Pose();
 		btContactPatch patch;
-		for (int i = 0; i < contact->patchCount && out.contactCount < kMirroredContacts; ++i)
+		for (int i = 0; i < contact->patchCount && out.contactCount < capacity; ++i)
 		{
 			if (!evaluateContactPatch(*contact, i, patch)) continue;
-			LinearContact& c = out.contacts[out.contactCount++] = linearContact(patch, X_WA, X_WB);
+			LinearContact& c = out.contacts[std::size_t(out.contactCount++)] = linearContact(patch, X_WA, X_WB);
 			c.a = a;
 			c.b = b;
 			c.friction = std::max(0.0, double(gCalculateCombinedFrictionCallback(contact->bodyA, contact->bodyB)));
@@ -340,6 +506,7 @@ void BulletWorldCoupling::showContacts(Hand& hand, WorldSnapshot& out, std::uint
 void BulletWorldCoupling::showStockContacts(Hand& hand, WorldSnapshot& out)
 {
 	btDispatcher& dispatcher = *m_world.getDispatcher();
+	const int capacity = static_cast<int>(out.contacts.size());
 	for (int m = 0; m < dispatcher.getNumManifolds(); ++m)
 	{
 		const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
@@ -350,10 +517,10 @@ void BulletWorldCoupling::showStockContacts(Hand& hand, WorldSnapshot& out)
 			(movableB ? double(btRigidBody::upcast(manifold.getBody1())->getInvMass()) : 0);
 		const ist::Pose X_WA = a >= 0 ? toRigidPose(manifold.getBody0()->getWorldTransform()) : ist::Pose();
 		const ist::Pose X_WB = b >= 0 ? toRigidPose(manifold.getBody1()->getWorldTransform()) : ist::Pose();
-		for (int i = 0; i < manifold.getNumContacts() && out.contactCount < kMirroredContacts; ++i)
+		for (int i = 0; i < manifold.getNumContacts() && out.contactCount < capacity; ++i)
 		{
 			const btManifoldPoint& point = manifold.getContactPoint(i);
-			LinearContact& c = out.contacts[out.contactCount++] = {};
+			LinearContact& c = out.contacts[std::size_t(out.contactCount++)] = {};
 			c.a = a;
 			c.b = b;
 			c.X_WA = X_WA;
@@ -377,12 +544,12 @@ void BulletWorldCoupling::findToolContacts(Hand& hand, WorldSnapshot& out)
 	if (hand.source->topology() != ContactThreading::InWorldThread) return;
 	WorldMirror& mirror = hand.source->mirror();
 	double volume = 0;
-	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	for (int i = 0; i < out.pairCount; ++i)
 	{
-		const MirroredBody& body = mirror.body(slot);
-		if (!hand.bodies[slot] || body.leaving) continue;
-		out.toolContactCount += hand.finder->find(mirror.posted().tool.X_WT, body, body.X_WB, slot, out.toolContacts + out.toolContactCount,
-			kToolContacts - out.toolContactCount, volume);
+		const MirroredPair& pair = out.pairs[std::size_t(i)];
+		const MirroredBody& body = mirror.body(pair.slot);
+		out.toolContactCount += hand.finder->find(mirror.posted().tool.X_WT, pair, body, body.X_WB,
+			out.toolContacts.data() + out.toolContactCount, static_cast<int>(out.toolContacts.size()) - out.toolContactCount, volume);
 	}
 }
 

@@ -2,13 +2,41 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
+#include "BulletHapticForce/World/btISTSceneReport.h"
 #include "BulletHapticForce/World/btISTWorld.h"
 #include "DeviceBridge/Bullet/BulletDecoupledSource.h"
 
+class btMultiBodyLinkCollider;
+
 namespace devicebridge
 {
+class BulletLinks;
+struct ShapeModel;
+
+/// A body near a tool that the hand does not feel, or not in all its parts.
+struct BulletUnfeltBody
+{
+	enum Reason
+	{
+		NoSlot,       ///< all slots of the hand are occupied (BulletDecoupledSettings::slots)
+		NoPair,       ///< more parts are near the tool than eight for each slot
+		NoModel,      ///< the shape has neither a tree nor a closed form: a mesh, a heightfield, a convex hull
+		NoTree,       ///< neither the body nor the tool has a tree
+		NotFinite,    ///< pose or velocity is not finite or not rigid
+		NotSupported  ///< a soft body
+	};
+	const btCollisionObject* body = nullptr;
+	const BulletDecoupledSource* hand = nullptr;
+	Reason reason = NoSlot;
+	bool inPart = false;  ///< whether the hand feels other parts of the body
+
+	/// A sentence that says why, and what to do.
+	static const char* adviceFor(Reason reason);
+};
+
 /// The world's side of decoupled mode. Around each step of a Bullet world, it applies the impulses of the hands to the bodies. It then
 /// shows the hands the bodies near their tools. Everything runs in the thread that owns the world, at any rate; it never waits.
 ///
@@ -16,11 +44,13 @@ namespace devicebridge
 /// impulse that pressed a light body on a table for 0.2 s does not throw it. Bullet moves bodies by the velocity at the end of a step, as
 /// if the whole impulse had come at its beginning. So the displacement is reduced by the share of time before the impulse was given.
 ///
-/// The hand feels bodies whose own shape has a tree, and static planes. If a pair filter is set (btISTPairFilter), it feels only bodies
-/// whose pair with the tool is accepted. With a region, the bounding boxes of both after each step decide whether the two can meet there.
-/// The children of compounds and shapes without a tree are not felt. A body whose shape or tree has changed is released and felt anew. Some
-/// effects are approximate: the hand's copies know a contact without a tree only by its impulse in the last step. They know a joint, and
-/// another hand on the same body, only by the body's state after each step. So between two steps the hand feels the body without these.
+/// The hand feels what the world itself treats as volumetric: trees, and Bullet's plane, box, sphere, capsule, cylinder and cone, also as
+/// children of compounds, where body or tool has a tree. unfelt() names the bodies near a tool that it does not feel. If a pair filter is
+/// set (btISTPairFilter), it feels only bodies whose pair with the tool is accepted. With a region, the bounding boxes of both after each
+/// step decide whether the two can meet there. A body whose parts or trees have changed is released and felt anew. Some effects are
+/// approximate: the hand's copies know a contact without a tree only by its impulse in the last step. They know a joint, and another hand
+/// on the same body, only by the body's state after each step. So between two steps the hand feels the body without these. A link of a
+/// multibody yields as it did in the last step in which a hand pushed it, whatever held it then: joints, motors, limits or contacts.
 class BulletWorldCoupling
 {
 public:
@@ -30,7 +60,7 @@ public:
 	~BulletWorldCoupling();
 
 	/// Adds a hand; call it between steps. The hand must exist as long as this object takes steps, unless it is removed first. A hand that
-	/// was in another coupling releases the bodies of that coupling.
+	/// was in another coupling releases the bodies of that coupling. A hand that is here already stays as it is.
 	void add(BulletDecoupledSource& hand);
 	/// Removes a hand; call it while the hand's threads are stopped. Afterwards the hand holds no body and no tree. Impulses that no step
 	/// has taken yet are lost.
@@ -55,16 +85,41 @@ public:
 	ist::Vec3 appliedImpulse(const BulletDecoupledSource& hand) const;
 	/// Number of bodies that were near a tool but found no free slot, summed over the steps.
 	std::uint64_t crowded() const { return m_crowded; }
+	/// Bodies near the tools that the hands did not feel in full after the last step, in the order of the hands.
+	const std::vector<BulletUnfeltBody>& unfelt() const { return m_unfelt; }
+	/// The same as text, one line for each body. `names` is as for btISTSceneReport. It allocates; call it between steps.
+	std::string unfeltReport(const btISTSceneReport::Names& names = {}) const;
 
 private:
+	/// A part of a body as it was when the body entered its slot.
+	struct PartKey
+	{
+		const btCollisionShape* shape;
+		int type;
+		const ist::InnerSphereTree* tree;
+	};
+	struct Tenant
+	{
+		btCollisionObject* object = nullptr;
+		std::vector<PartKey> parts;
+		double response = 1;  ///< of a link: its change of velocity in the last step that pushed it, over that of its bound (BulletLinks)
+	};
 	struct Hand
 	{
 		BulletDecoupledSource* source;
 		std::unique_ptr<BulletToolContacts> finder;
-		btCollisionObject* bodies[kMirroredBodies] = {};
+		std::vector<Tenant> tenants;  ///< one for each slot
 		ist::Vec3 applied;
 		std::uint64_t tick = 0;
 		bool moving = false;  ///< whether the hand has posted since the last step
+	};
+	/// A link that a hand has pushed.
+	struct PushedLink
+	{
+		const btMultiBodyLinkCollider* link;
+		ist::Vec3 impulse;
+		ist::Vec3 before;    ///< velocity [m/s]
+		ist::Vec3 expected;  ///< change of velocity by the bound [m/s]
 	};
 	struct Pushed
 	{
@@ -76,14 +131,22 @@ private:
 
 	bool begin(double seconds);
 	void push(Hand& hand, int slot);
+	void pushLink(const btMultiBodyLinkCollider& link, const ist::Wrench& impulse);
+	void describeLink(Hand& hand, int slot, const btMultiBodyLinkCollider& link);
 	void publish(std::uint64_t stamp);
 	void putBack();
 	void chooseBodies(Hand& hand);
-	void admit(Hand& hand, btCollisionObject& object, const ist::Vec3& center, double reach);
+	void admit(Hand& hand, btCollisionObject& object);
+	void listPairs(Hand& hand, WorldSnapshot& out);
+	void listPairs(Hand& hand, int slot, WorldSnapshot& out);
+	void setConstants(const Hand& hand, const btCollisionObject& body, MirroredPair& out, const ShapeModel& model) const;
+	bool isNear(const Hand& hand, const ToolPart& part, const btVector3& low, const btVector3& high, double share) const;
+	bool isNear(const Hand& hand, const btCollisionObject& object, double share) const;
+	void report(const Hand& hand, const btCollisionObject& body, BulletUnfeltBody::Reason reason, bool inPart);
 	void showContacts(Hand& hand, WorldSnapshot& out, std::uint64_t stamp);
 	void showStockContacts(Hand& hand, WorldSnapshot& out);
 	void findToolContacts(Hand& hand, WorldSnapshot& out);
-	bool isAsAdmitted(const Hand& hand, int slot) const;
+	bool isAsAdmitted(const Tenant& tenant) const;
 	void describe(Hand& hand, int slot);
 	bool watches(const Hand& hand, const btCollisionObject& body, bool was) const;
 	ist::Pose begunAt(const btCollisionObject* body) const;
@@ -93,6 +156,10 @@ private:
 	const btISTPairRule& m_rule;
 	std::vector<Hand> m_hands;
 	std::vector<Pushed> m_pushed;
+	std::vector<PushedLink> m_pushedLinks;
+	std::unique_ptr<BulletLinks> m_links;
+	bool m_stepped = false;  ///< whether the world has taken a step, after which multibodies know their response
+	std::vector<BulletUnfeltBody> m_unfelt;
 	double m_seconds = 0;  ///< length of the step that has begun [s]; 0: none
 	std::uint64_t m_crowded = 0;
 };

@@ -57,7 +57,10 @@ struct DeviceInfo
 	double resolution = 0, angularResolution = 0;      ///< smallest steps of position and angle [m, rad]
 	double workspaceRadius = 0;                        ///< radius of the inscribed ball [m]
 	double nominalRate = 1000;                         ///< rate of the samples [Hz]
-	std::string source;                                ///< origin of each value above, in words
+	/// Whether the position may repeat to the last bit while the handle turns. A held handle always trembles; simulated and replayed ones
+	/// and mice need not.
+	bool turnsInPlace = false;
+	std::string source;    ///< origin of each value above, in words
 	unsigned assumed = 0;  ///< bits of AssumedLimit: limits that come from the profile of the model, or are guesses
 	std::string profile;   ///< name of the profile in data/devices from which limits were assumed; empty: none
 };

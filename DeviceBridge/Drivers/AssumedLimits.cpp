@@ -11,7 +11,8 @@ namespace devicebridge
 {
 namespace
 {
-constexpr double kTick = 1e-3;  // [s]
+constexpr double kTick = 1e-3;       // [s]
+constexpr double kCarefulForce = 2;  // peak of a device of which nothing is known [N]
 
 struct Limit
 {
@@ -111,6 +112,11 @@ void assumeLimits(DeviceInfo& info)
 	info.assumed |= filled;
 	if (filled) say(info, "assumed, of the profile " + info.profile + ": " + listOf(filled));
 	else info.profile.clear();
+	DeviceInfo careful;
+	careful.peakForce = kCarefulForce;
+	filled = fillFrom(careful, info);
+	info.assumed |= filled;
+	if (filled) say(info, "assumed, because nothing is known, 2 N: " + listOf(filled));
 	DeviceInfo least;
 	least.damping = info.maxStiffness * kTick / 2;
 	least.angularDamping = info.maxAngularStiffness * kTick / 2;

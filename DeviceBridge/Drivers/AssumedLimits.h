@@ -15,8 +15,8 @@ std::string profileOfModel(const std::string& maker, const std::string& model);
 /// Fills the limits that `info` leaves at zero and for which the device has actuators. A driver calls it once it knows what the device
 /// reports. The values come from the profile `info.profile`, or from the one of maker and model. If no profile knows the mechanism's
 /// damping, it is the least with which `maxStiffness` is passive at 1 kHz, b = K T / 2.
-/// `assumed` names the filled limits, and `source` their origin. A model without a profile keeps its zeros, which mean unknown. Profiles
-/// are read from memory; allocates.
+/// A model without a profile keeps its zeros, which mean unknown, but for the peak of the force: it becomes 2 N, because nothing is sent to
+/// motors of an unknown peak. `assumed` names the filled limits, and `source` their origin. Profiles are read from memory; allocates.
 void assumeLimits(DeviceInfo& info);
 
 /// Names of the bits of DeviceInfo::assumed, as `devicebridge info` prints them.

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "DeviceBridge/Device/DeviceAddress.h"
 #include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/Plugin/PluginSchemes.h"
 #include "DeviceBridge/Drivers/Replay/ReplayDevice.h"
@@ -16,8 +17,17 @@ using MadeDevice = ist::Result<std::unique_ptr<Device>>;
 
 MadeDevice makeSimulated(const std::string& rest)
 {
-	auto profile = simulatedProfile(rest);
+	DeviceAddress address(rest);
+	const std::string fault = address.take("fault").value_or("");
+	const auto at = address.takeNumber("at", 0, 0, 1e6);
+	if (!at) return at.error();
+	auto profile = simulatedProfile(address.rest());
 	if (!profile) return profile.error();
+	profile.value().faultAt = at.value();
+	if (fault == "nan") profile.value().fault = SimulatedFault::NanInOneAxis;
+	else if (fault == "frozen") profile.value().fault = SimulatedFault::FrozenPosition;
+	else if (fault == "early") profile.value().fault = SimulatedFault::ValidBeforeRead;
+	else if (!fault.empty()) return ist::Error{"The option fault=" + fault + " must be nan, frozen or early", false};
 	return MadeDevice(std::make_unique<SimulatedDevice>(std::move(profile).value()));
 }
 

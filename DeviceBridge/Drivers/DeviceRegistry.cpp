@@ -4,6 +4,8 @@
 #include <optional>
 #include <utility>
 
+#include "DeviceBridge/Decorators/ClutchedDevice.h"
+#include "DeviceBridge/Decorators/MountedDevice.h"
 #include "DeviceBridge/Decorators/ReconnectingDevice.h"
 #include "DeviceBridge/Decorators/RestrictedDevice.h"
 #include "DeviceBridge/Device/DeviceAddress.h"
@@ -20,6 +22,8 @@ struct SharedOptions
 {
 	unsigned dof = 0, sense = 0;  // zero: as the device has it
 	bool reconnect = false;
+	int clutch = 0;  // number of the button, from 1 on; zero: none
+	double scale = 1;
 };
 
 /// Returns 0, 3 or 6; any other value is an error.
@@ -43,7 +47,21 @@ ist::Result<SharedOptions> takeShared(DeviceAddress& address)
 	const std::string reconnect = address.take("reconnect").value_or("off");
 	if (reconnect != "on" && reconnect != "off") return ist::Error{"The option reconnect=" + reconnect + " must be on or off", false};
 	options.reconnect = reconnect == "on";
+	const auto clutch = address.takeNumber("clutch", 0, 0, 32), scale = address.takeNumber("scale", 1, 0.01, 100);
+	if (!clutch) return clutch.error();
+	if (!scale) return scale.error();
+	options.clutch = static_cast<int>(clutch.value());
+	if (options.clutch != clutch.value()) return ist::Error{"The option clutch must be the number of a button, 1 to 32", false};
+	options.scale = scale.value();
 	return options;
+}
+
+/// Scales the device, and then lets the clutch shift what is scaled.
+std::unique_ptr<Device> placed(std::unique_ptr<Device> device, const SharedOptions& options)
+{
+	if (options.scale != 1) device = std::make_unique<MountedDevice>(std::move(device), ist::Pose(), options.scale);
+	if (options.clutch > 0) device = std::make_unique<ClutchedDevice>(std::move(device), std::uint32_t{1} << (options.clutch - 1));
+	return device;
 }
 
 MadeDevice restricted(std::unique_ptr<Device> device, const SharedOptions& options, const std::string& uri)
@@ -111,6 +129,8 @@ MadeDevice DeviceRegistry::open(const std::string& uri) const
 		const std::string why = device->complaint();
 		return ist::Error{"Cannot open '" + uri + "': " + (why.empty() ? std::string(describe(status)) : why), false};
 	}
-	return restricted(std::move(device), options.value(), uri);
+	MadeDevice allowed = restricted(std::move(device), options.value(), uri);
+	if (!allowed) return allowed;
+	return MadeDevice(placed(std::move(allowed).value(), options.value()));
 }
 }  // namespace devicebridge

@@ -19,7 +19,35 @@ std::string HandComplaints::sentence() const
 	add(missingJoints, "joints were missing, and their parts stayed in their last place on the palm,");
 	add(jumps, "the hand jumped, and was followed at the largest speed,");
 	add(wrongSide, "the sample was of the other hand, and was not used,");
+	for (std::size_t i = 0; i < faulty.size(); ++i)
+	{
+		const std::string why = std::string(describe(static_cast<HandSampleFault>(i))) + ", so the hand counted as lost,";
+		if (static_cast<HandSampleFault>(i) != HandSampleFault::None) add(faulty[i], why.c_str());
+	}
 	return text;
+}
+
+namespace
+{
+bool isSame(const HandState& a, const HandState& b)
+{
+	for (std::size_t i = 0; i < kHandJoints; ++i)
+	{
+		const HandJoint &x = a.joints[i], &y = b.joints[i];
+		const Quaternion &p = x.orientation, &q = y.orientation;
+		if (x.tracked != y.tracked || !(x.position == y.position) || p.x != q.x || p.y != q.y || p.z != q.z || p.w != q.w) return false;
+	}
+	return true;
+}
+}  // namespace
+
+HandSampleFault HandTrackingMonitor::judge(const HandState& hand, double dt) noexcept
+{
+	m_sameFor = isSame(hand, m_sample) ? m_sameFor + dt : 0;
+	if (m_sameFor == 0) m_sample = hand;
+	const HandSampleFault fault = faultOf(hand, m_model.shape);
+	if (fault != HandSampleFault::None) return fault;
+	return m_limits.frozenAfter > 0 && m_sameFor > m_limits.frozenAfter ? HandSampleFault::Frozen : HandSampleFault::None;
 }
 
 HandTrackingMonitor::HandTrackingMonitor(const HandModel& model, const HandPartPoses& start, const HandTrackingLimits& limits)
@@ -54,9 +82,12 @@ void HandTrackingMonitor::update(const HandState& hand, double dt) noexcept
 {
 	++m_complaints.ticks;
 	const bool wrongSide = hand.left != m_model.shape.left;
-	const HandPartPoses now = wrongSide ? HandPartPoses() : handPartPoses(m_model, hand);
+	const HandSampleFault fault = wrongSide ? HandSampleFault::None : judge(hand, dt);
+	const bool usable = !wrongSide && fault == HandSampleFault::None;
+	const HandPartPoses now = usable ? handPartPoses(m_model, hand) : HandPartPoses();
 	const bool palmKnown = now.known[kHandPart];
 	if (wrongSide) ++m_complaints.wrongSide;
+	else if (!usable) ++m_complaints.faulty[static_cast<std::size_t>(fault)];
 	else if (!palmKnown) ++m_complaints.lost;
 
 	m_lostFor = palmKnown ? 0 : m_lostFor + dt;

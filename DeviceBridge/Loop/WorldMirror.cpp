@@ -6,10 +6,19 @@
 
 namespace devicebridge
 {
+WorldMirror::WorldMirror(int slots)
+	: m_slots(slots),
+	  m_snapshots(slots),
+	  m_posts(slots),
+	  m_bodies(std::size_t(slots)),
+	  m_trees(std::size_t(slots)),
+	  m_taken(std::size_t(slots))
+{}
+
 void WorldMirror::collect() noexcept
 {
 	m_posts.fetch();
-	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	for (std::size_t slot = 0; slot < m_bodies.size(); ++slot)
 	{
 		MirroredBody& body = m_bodies[slot];
 		Taken& taken = m_taken[slot];
@@ -29,31 +38,30 @@ void WorldMirror::collect() noexcept
 
 int WorldMirror::find(const void* id) const noexcept
 {
-	for (int slot = 0; slot < kMirroredBodies; ++slot)
-		if (m_bodies[slot].epoch != 0 && m_bodies[slot].id == id) return slot;
+	for (std::size_t slot = 0; slot < m_bodies.size(); ++slot)
+		if (m_bodies[slot].epoch != 0 && m_bodies[slot].id == id) return int(slot);
 	return -1;
 }
 
-int WorldMirror::admit(const void* id, std::shared_ptr<const ist::InnerSphereTree> tree) noexcept
+int WorldMirror::admit(const void* id, Trees trees) noexcept
 {
-	for (int slot = 0; slot < kMirroredBodies; ++slot)
+	for (std::size_t slot = 0; slot < m_bodies.size(); ++slot)
 	{
 		if (m_bodies[slot].epoch != 0) continue;
 		m_bodies[slot] = {};
 		m_bodies[slot].epoch = ++m_epochs;
 		m_bodies[slot].id = id;
-		m_bodies[slot].tree = tree.get();
-		m_trees[slot] = std::move(tree);
-		return slot;
+		m_trees[slot] = std::move(trees);
+		return int(slot);
 	}
 	return -1;
 }
 
 bool WorldMirror::releaseIfDone(int slot) noexcept
 {
-	MirroredBody& body = m_bodies[slot];
-	const bool done = body.leaving && body.seen.epoch == body.epoch && body.seen.released;
-	if (done) body = {}, m_trees[slot] = nullptr;
+	MirroredBody& tenant = body(slot);
+	const bool done = tenant.leaving && tenant.seen.epoch == tenant.epoch && tenant.seen.released;
+	if (done) tenant = {}, m_trees[std::size_t(slot)].clear();
 	return done;
 }
 
@@ -65,10 +73,10 @@ void WorldMirror::leaveAll() noexcept
 
 void WorldMirror::clear() noexcept
 {
-	std::fill(m_bodies, m_bodies + kMirroredBodies, MirroredBody());
-	writable().contactCount = writable().toolContactCount = 0;
+	std::fill(m_bodies.begin(), m_bodies.end(), MirroredBody());
+	writable().pairCount = writable().contactCount = writable().toolContactCount = 0;
 	publish(writable().period);
-	std::fill(m_trees, m_trees + kMirroredBodies, nullptr);
+	for (Trees& trees : m_trees) trees.clear();
 }
 
 void WorldMirror::publish(double period) noexcept
@@ -76,7 +84,7 @@ void WorldMirror::publish(double period) noexcept
 	WorldSnapshot& out = m_snapshots.writable();
 	out.step = ++m_steps;
 	out.period = period;
-	std::copy(m_bodies, m_bodies + kMirroredBodies, out.bodies);
+	std::copy(m_bodies.begin(), m_bodies.end(), out.bodies.begin());
 	m_snapshots.publish();
 }
 }  // namespace devicebridge

@@ -18,7 +18,8 @@ enum class FaultCause
 	ClockJump,      ///< clock that ran backwards
 	HookException,  ///< exception of a listener or of the force law
 	Raised,         ///< fault raised by the program itself
-	ToolNotFinite   ///< tool velocity after a step that is not finite
+	ToolNotFinite,  ///< tool velocity after a step that is not finite
+	PositionFrozen  ///< position that stays the same to the last bit while the handle turns
 };
 
 inline const char* describe(FaultCause cause) noexcept
@@ -35,6 +36,7 @@ inline const char* describe(FaultCause cause) noexcept
 	case FaultCause::ClockJump: return "the clock ran backwards";
 	case FaultCause::HookException: return "a hook threw an exception";
 	case FaultCause::Raised: return "the program raised a fault";
+	case FaultCause::PositionFrozen: return "the position stands still while the handle turns: calibrate the device";
 	case FaultCause::ToolNotFinite: return "a step left the tool with a velocity that is not finite";
 	}
 	return "unknown fault";

@@ -11,6 +11,7 @@ namespace devicebridge
 {
 namespace
 {
+constexpr std::int64_t kHung = 5;  // age of a command after which its law counts as hung, in ages of zero weight
 // Limit in multiples of the peaks: far more than is ever sent, and small enough for the arithmetic of the stages.
 constexpr double kLargestWanted = 1e6;
 
@@ -134,6 +135,8 @@ double SafetyLimiter::fadeIn(ist::Wrench& wrench, const DeviceCommand& wanted, b
 {
 	const double age = m_age.factor(wanted, now);
 	if (age < 1) increment(m_aged);
+	// The hand may be anywhere when a law answers that hung. A law that is only slow comes at the slew limit.
+	if (now - wanted.computedAt >= kHung * m_settings.zeroFrom) m_ramp.restart();
 	// The ramp begins when the latch releases.
 	const bool held = m_inside.holds(inContact) && m_settings.startInsideLatch;
 	if (held) m_ramp.restart();

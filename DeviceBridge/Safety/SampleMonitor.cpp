@@ -33,6 +33,17 @@ bool SampleMonitor::repeats(const DeviceState& state) const noexcept
 	return !state.velocityEstimated && norm(state.twist.linear) > kMovingSpeed && samePose(state.X_WH, m_last.X_WH);
 }
 
+bool SampleMonitor::turnsInPlace(const DeviceState& state, std::int64_t now) noexcept
+{
+	if (!m_hasLast || !(state.X_WH.translation == m_place.translation))
+	{
+		m_place = state.X_WH;
+		m_placeSince = now;
+	}
+	return m_settings.longestTurnInPlace > 0 && now - m_placeSince >= m_settings.turnInPlaceAfter &&
+		turnBetween(state.X_WH.rotation, m_place.rotation) > m_settings.longestTurnInPlace;
+}
+
 /// `seconds` is the time since the last new sample, because a device may be slower than its reader.
 bool SampleMonitor::jumped(const DeviceState& state, double seconds) const noexcept
 {
@@ -46,12 +57,16 @@ FaultCause SampleMonitor::judge(const DeviceState& state, std::int64_t now) noex
 	if (!isRigid(state.X_WH) || !isFinite(state.twist)) return FaultCause::InvalidState;
 	const bool first = !m_hasLast, repeated = !first && repeats(state);
 	const double seconds = 1e-9 * static_cast<double>(std::max<std::int64_t>(0, now - m_lastFresh));
-	if (first || !repeated) m_lastFresh = now;
+	const bool inPlace = turnsInPlace(state, now);
+	// A driver may answer with a sample that it has never read.
+	if (first) m_lastFresh = std::min(now, state.sampledAt);
+	else if (!repeated) m_lastFresh = now;
 	if (!first && jumped(state, seconds)) m_distrust = m_settings.steadySamples;
 	else if (m_distrust > 0 && !repeated) --m_distrust;
 	m_last = state;
 	m_hasLast = true;
 	if (m_distrust > 0) return FaultCause::Jump;
+	if (inPlace) return FaultCause::PositionFrozen;
 	return now - m_lastFresh >= m_settings.frozenAfter ? FaultCause::Frozen : FaultCause::None;
 }
 }  // namespace devicebridge

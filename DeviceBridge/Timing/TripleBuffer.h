@@ -10,6 +10,11 @@ namespace devicebridge
 template <class T> class TripleBuffer
 {
 public:
+	/// Each copy is constructed from `arguments`.
+	template <class... Arguments>
+	explicit TripleBuffer(const Arguments&... arguments) : m_values{T(arguments...), T(arguments...), T(arguments...)}
+	{}
+
 	/// Writer: the copy to fill. It holds an older value.
 	T& writable() noexcept { return m_values[m_write]; }
 	/// Writer: publishes the filled copy as the latest value. Returns true if it replaced a value that the reader had not fetched and never
@@ -40,7 +45,7 @@ public:
 
 private:
 	static constexpr unsigned kIndex = 3, kFresh = 4;
-	T m_values[3]{};
+	T m_values[3];
 	unsigned m_write = 0, m_read = 1;
 	std::atomic<unsigned> m_shared{2};
 };

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Geometry/Lens.h"
 
 #include <limits>
+#include <type_traits>
 
 namespace ist
 {
@@ -151,4 +152,14 @@ Vec3 ConeField::subdivisionSize(const Vec3& p) const
 
 double ConeField::volume() const { return kPi / 3 * m_radius * m_radius * m_height; }
 bool ConeField::isValid() const { return isLength(m_radius) && isLength(m_height) && isLength(volume()); }
+
+const AnalyticField* fieldIn(const AnyField& any)
+{
+	return std::visit(
+		[](const auto& field) -> const AnalyticField* {
+			if constexpr (std::is_same_v<std::decay_t<decltype(field)>, std::monostate>) return nullptr;
+			else return field.isValid() ? &field : nullptr;
+		},
+		any);
+}
 }  // namespace ist

@@ -3,6 +3,8 @@
 
 #include "BulletISTCollision/Core/Base/SymmetricMatrix3.h"
 
+#include <variant>
+
 namespace ist
 {
 /// Mean properties of one smooth part of a surface, taken over a cloud of points. They change smoothly with the cloud's position, even
@@ -124,4 +126,10 @@ private:
 	double m_radius, m_height;
 	double m_cos, m_sin;  // cosine and sine of the angle between axis and side
 };
+
+/// Any one of these bodies by value, or none.
+using AnyField = std::variant<std::monostate, HalfSpaceField, BoxField, CapsuleField, CylinderField, ConeField>;
+
+/// The body in `any`; null if there is none, or if one of its lengths is not positive and finite. Valid during the life of `any`.
+const AnalyticField* fieldIn(const AnyField& any);
 }  // namespace ist

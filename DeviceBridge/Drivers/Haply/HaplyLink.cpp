@@ -147,12 +147,14 @@ ist::Result<DeviceInfo> HaplyLink::connectOrThrow()
 	info.maker = "Haply", info.model = state.kind, info.serial = state.deviceId;
 	info.actuated = info.sensed = kTranslation;
 	if (state.orientation) info.sensed |= kRotation;
+	if (profileOfModel(info.maker, info.model).empty())
+	{
+		// The service reports no limits, and there is no profile for an Inverse3x or a Minverse.
+		info.peakForce = 10, info.continuousForce = 4;
+		info.assumed |= kAssumedPeakForce | kAssumedContinuousForce;
+		info.source = "assumed, of the Inverse3, not verified: peak_force, continuous_force";
+	}
 	assumeLimits(info);
-	if (info.peakForce > 0) return info;
-	// The service reports no limits, and there is no profile for an Inverse3x or a Minverse.
-	info.peakForce = 10, info.continuousForce = 4;
-	info.assumed |= kAssumedPeakForce | kAssumedContinuousForce;
-	info.source += "; assumed, of the Inverse3, not verified: peak_force, continuous_force";
 	return info;
 }
 

@@ -11,7 +11,10 @@ namespace devicebridge
 class ReplayDevice final : public Device
 {
 public:
-	explicit ReplayDevice(Recording recording) : m_recording(std::move(recording)) {}
+	explicit ReplayDevice(Recording recording) : m_recording(std::move(recording))
+	{
+		m_recording.info.turnsInPlace = true;  // it may be of a simulated hand
+	}
 
 	const DeviceInfo& info() const noexcept override { return m_recording.info; }
 	DeviceStatus open() noexcept override;

@@ -45,6 +45,7 @@ HandScript handThrough(std::vector<HandKeyFrame> frames)
 SimulatedDevice::SimulatedDevice(SimulatedProfile profile) : m_profile(std::move(profile))
 {
 	m_profile.delayTicks = std::clamp(m_profile.delayTicks, 0, kMaxDelayTicks);
+	m_profile.info.turnsInPlace = m_profile.fault != SimulatedFault::FrozenPosition;
 }
 
 void SimulatedDevice::place(const ist::Pose& X_WH)
@@ -93,7 +94,30 @@ DeviceStatus SimulatedDevice::read(std::int64_t now, DeviceState& state) noexcep
 	report(dt, state);
 	state.sequence = m_tick;
 	state.sampledAt = now;
+	spoil(now, state);
 	return DeviceStatus::Ok;
+}
+
+/// Shows the fault of the profile.
+void SimulatedDevice::spoil(std::int64_t now, DeviceState& state)
+{
+	const bool reached = 1e-9 * static_cast<double>(now - m_start) >= m_profile.faultAt;
+	ist::Vec3& position = state.X_WH.translation;
+	switch (m_profile.fault)
+	{
+	case SimulatedFault::None: break;
+	case SimulatedFault::NanInOneAxis:
+		if (reached) position.y = std::nan("");
+		break;
+	case SimulatedFault::FrozenPosition:
+		if (!reached) m_frozenPosition = position;
+		position = m_frozenPosition;
+		if (reached) state.twist.linear = {};
+		break;
+	case SimulatedFault::ValidBeforeRead:
+		if (!reached) state = {};
+		break;
+	}
 }
 
 void SimulatedDevice::advance(std::int64_t from, std::int64_t to)

@@ -58,6 +58,7 @@ private:
 	void substep(double time, double h, const ist::Wrench& applied);
 	ist::Wrench handPull(double time, const ist::Pose& pose, const ist::Twist& twist) const;
 	void report(double dt, DeviceState& state);
+	void spoil(std::int64_t now, DeviceState& state);
 
 	SimulatedProfile m_profile;
 	HandScript m_script;
@@ -65,7 +66,7 @@ private:
 	ist::Twist m_twist;
 	std::array<DeviceCommand, kMaxDelayTicks + 1> m_pending;
 	DeviceCommand m_lastWritten;
-	ist::Vec3 m_reportedPosition;
+	ist::Vec3 m_reportedPosition, m_frozenPosition;
 	std::uint64_t m_tick = 0;
 	std::int64_t m_start = 0, m_time = 0;
 	double m_work = 0;

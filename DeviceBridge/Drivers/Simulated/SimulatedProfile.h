@@ -9,6 +9,15 @@
 
 namespace devicebridge
 {
+/// A fault of a driver that a simulated device shows from `faultAt` on, or until then.
+enum class SimulatedFault
+{
+	None,
+	NanInOneAxis,    ///< from then on the y coordinate is not a number
+	FrozenPosition,  ///< from then on the position stands still, and the handle turns
+	ValidBeforeRead  ///< until then every read succeeds with a sample that was never taken: the pose zero, the time zero
+};
+
 /// Parameters of a device and of the hand on it. The mechanism is a rigid body with isotropic mass and inertia.
 struct SimulatedProfile
 {
@@ -18,6 +27,8 @@ struct SimulatedProfile
 	double handStiffness = 300, handAngularStiffness = 1;  ///< stiffness of the hand [N/m, N m/rad]
 	double handDamping = 6, handAngularDamping = 0.02;     ///< damping of the hand [N s/m, N m s/rad]
 	int delayTicks = 0;                                    ///< delay of a command in ticks, 0 to kMaxDelayTicks
+	SimulatedFault fault = SimulatedFault::None;
+	double faultAt = 0;                  ///< time since the first read() [s]
 	bool velocityFromPositions = false;  ///< whether the velocity is the difference of two reported positions instead of the true one
 };
 

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <system_error>
@@ -104,12 +105,11 @@ std::optional<Error> openDevice(const Scene& scene, const Pose& X_MP, Hand& hand
 	{
 		if (!scene.path.empty())
 			return at(scene.devicePlace, "only a simulated device without options follows hand.path, not " + scene.device);
-		if (scene.coupling.stiffness < 0)
-			return at(scene.devicePlace, "a device that is not simulated needs hand.coupling.stiffness: nobody knows what it dissipates");
 		Result<std::unique_ptr<Device>> opened = DeviceRegistry().open(scene.device);
 		if (!opened) return at(scene.devicePlace, opened.error().message);
 		hand.device = std::make_unique<TimedDevice>(std::move(opened).value());
-		hand.gains = passiveGains(hand.device->info(), 0, 0, kTick);
+		hand.gains = gainsForDevice(
+			hand.device->info(), kTick, [](const std::string& assumed) { std::fprintf(stderr, "%s\n", assumed.c_str()); });
 		return std::nullopt;
 	}
 	const Result<SimulatedProfile> profile = simulatedProfile(scene.device.substr(prefix.size()));

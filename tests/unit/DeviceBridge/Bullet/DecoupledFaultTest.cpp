@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Bullet/BulletContactSource.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
 #include "DeviceBridge/Loop/SteppingThread.h"
 #include "tests/unit/CountingAllocator.h"
@@ -382,11 +383,10 @@ TEST(DecoupledFault, ABodyThatIsTakenAwayWithinAStepIsNotTouchedAfterIt)
 // Each change removes the tree from a body that is pressed, and then restores it.
 TEST(DecoupledFault, ABodyWhoseTreeDoesNotSpeakForItAnyMoreIsNotFelt)
 {
-	btBoxShape stock{btVector3(btScalar(kBoxHalf), btScalar(kBoxHalf), btScalar(kBoxHalf))};
+	btConvexHullShape stock;
+	for (int i = 0; i < 8; ++i) stock.addPoint(bullet(kBoxHalf * ist::Vec3{i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0}));
 	using Change = std::function<void(PressedRig&)>;
 	const std::pair<Change, Change> changes[] = {
-		{[](PressedRig& r) { r.rig.boxTreeAttached.detach(); },
-			[](PressedRig& r) { r.rig.boxTreeAttached = std::move(r.rig.world.attach(&r.rig.boxShape, boxTree())).value(); }},
 		{[&](PressedRig& r) { r.box->setCollisionShape(&stock); }, [](PressedRig& r) { r.box->setCollisionShape(&r.rig.boxShape); }},
 		{[](PressedRig& r) { r.rig.boxShape.setLocalScaling(btVector3(1, 1, btScalar(1.1))); },
 			[](PressedRig& r) { r.rig.boxShape.setLocalScaling(btVector3(1, 1, 1)); }},
@@ -416,39 +416,111 @@ TEST(DecoupledFault, ABodyWhoseTreeDoesNotSpeakForItAnyMoreIsNotFelt)
 	}
 }
 
+// Settings for the device are all that a hand needs: it feels the box, at most with what the device bears.
+TEST(DecoupledFault, WithTheSettingsForItsDeviceAHandFeels)
+{
+	for (const char* name : {"inverse3", "omega6", "touch"})
+	{
+		DecoupledRig rig(60);
+		rig.addBox(0, {0, 0.02, 0});
+		SimulatedDevice device{simulatedProfile(name).value()};
+		ist::Pose above, pressed;
+		above.translation = {0, 0.065, 0};
+		pressed.translation = {0, 0.055, 0};
+		device.place(above);
+		device.setHand(handThrough({{0.6, above}, {0.9, pressed}}));
+		device.open();
+		btRigidBody tool{Hand::info(rig.ballShape, above.translation)};
+		BulletDecoupledSource source(rig.world, tool, rig.clock, BulletDecoupledSettings::forDevice(device.info()));
+		SteppingThread thread(device, source, rig.clock);
+		thread.enableForces(true);
+		rig.coupling.add(source);
+		rig.coupling.show(rig.period);
+		for (int i = 0; i < 1500; ++i)
+		{
+			if (i % 16 == 0) rig.stepWorld();
+			ASSERT_TRUE(thread.run(1)) << thread.refusal();
+		}
+		const double force = device.lastCommand().wrench.force.y;
+		EXPECT_GT(force, 0.5) << name;
+		EXPECT_LE(force, device.info().peakForce) << name;
+		rig.coupling.remove(source);
+	}
+}
+
+TEST(DecoupledFault, GainsOfZeroAreRefusedUnlessTheyAreMeant)
+{
+	for (const bool meant : {false, true})
+	{
+		DecoupledRig rig(60);
+		SimulatedDevice device{simulatedProfile("omega6").value()};
+		device.open();
+		btRigidBody tool{Hand::info(rig.ballShape, {})}, inWorld{Hand::info(rig.ballShape, {})};
+		BulletDecoupledSettings settings;
+		BulletToolSettings ofTool;
+		settings.mayBeSilent = ofTool.mayBeSilent = meant;
+		BulletDecoupledSource source(tool, ballTree(), rig.clock, settings);
+		BulletContactSource oneThread(rig.world, inWorld, ofTool);
+		for (ContactSource* each : {static_cast<ContactSource*>(&source), static_cast<ContactSource*>(&oneThread)})
+		{
+			SteppingThread thread(device, *each, rig.clock);
+			EXPECT_EQ(thread.run(1), meant);
+			EXPECT_EQ(std::string(thread.refusal()).find("the gains of the coupling are zero") != std::string::npos, !meant);
+		}
+	}
+}
+
+// A box without a tree is felt in closed form, as in the world.
+TEST(DecoupledFault, ABoxThatLosesItsTreeIsFeltInClosedForm)
+{
+	PressedRig r(60, ContactThreading::InHapticThread, 0);
+	r.run(1500);
+	const double pressing = r.force();
+	ASSERT_GT(pressing, 1.5);
+	r.rig.boxTreeAttached.detach();
+	r.run(2000);
+	EXPECT_NEAR(r.force(), pressing, 0.05 * pressing);
+	r.rig.boxTreeAttached = std::move(r.rig.world.attach(&r.rig.boxShape, boxTree())).value();
+	r.run(2000);
+	EXPECT_NEAR(r.force(), pressing, 0.05 * pressing);
+}
+
 TEST(DecoupledFault, ABodyWithAnotherShapeIsFeltAsThat)
 {
-	btBoxShape stock{btVector3(1, btScalar(0.01), 1)};
+	btConvexHullShape stock;
+	for (const double x : {-1.0, 1.0})
+		for (const double y : {-0.01, 0.01})
+			for (const double z : {-1.0, 1.0}) stock.addPoint(bullet({x, y, z}));
 	DecoupledRig rig(60);
 	btRigidBody* body = rig.addPlane();
 	Hand& hand = rig.addHand({0, 0.025, 0});
 	hand.script = [](double t) { return ist::Twist{{0, t < 0.2 ? -0.05 : 0, 0}, {}}; };
-	const auto tenant = [&]() -> const MirroredBody* {
-		for (const MirroredBody& b : hand.source.mirror().snapshot().bodies)
-			if (b.epoch != 0) return &b;
-		return nullptr;
+	const auto pair = [&]() -> const MirroredPair* {
+		const WorldSnapshot& world = hand.source.mirror().snapshot();
+		return world.pairCount > 0 ? &world.pairs[0] : nullptr;
 	};
+	const auto isPlane = [&] { return pair() && !pair()->tree && std::holds_alternative<ist::HalfSpaceField>(pair()->field); };
 	rig.run(0.5);
-	ASSERT_TRUE(tenant() && !tenant()->tree);
+	ASSERT_TRUE(isPlane());
 	EXPECT_GT(hand.step.contactCount, 0);
 	body->setCollisionShape(&stock);
 	rig.afterWorldStep = [&, steps = 0]() mutable {
 		if (steps++ > 0) return;
 		hand.source.mirror().fetch();
-		ASSERT_TRUE(tenant() && tenant()->leaving);
-		EXPECT_EQ(tenant()->planeNormal, (Vec3{0, 1, 0}));  // the old value; the shape is no plane any more
+		EXPECT_FALSE(pair());  // the shape is no plane any more
+		EXPECT_TRUE(hand.source.mirror().snapshot().bodies[0].leaving);
 	};
 	rig.run(0.2);
-	EXPECT_FALSE(tenant());
+	EXPECT_EQ(hand.source.mirror().snapshot().bodies[0].epoch, 0U);
 	EXPECT_EQ(hand.step.contactCount, 0);
 	body->setCollisionShape(&rig.ballShape);
 	rig.run(0.2);
-	ASSERT_TRUE(tenant());
-	EXPECT_EQ(tenant()->tree, rig.world.registration().registry().find(&rig.ballShape).get());
+	ASSERT_TRUE(pair());
+	EXPECT_EQ(pair()->tree, rig.world.registration().registry().find(&rig.ballShape).get());
 	EXPECT_GT(hand.step.contactCount, 0);
 	body->setCollisionShape(&rig.planeShape);
 	rig.run(0.2);
-	ASSERT_TRUE(tenant() && !tenant()->tree);
+	ASSERT_TRUE(isPlane());
 }
 
 TEST(DecoupledFault, AHandThatIsRemovedLetsGoAndFeelsAgainWhenItIsAdded)

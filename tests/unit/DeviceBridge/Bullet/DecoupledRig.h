@@ -6,6 +6,7 @@
 #include "tests/unit/KeptTree.h"
 
 #include "BulletCollision/CollisionShapes/btBoxShape.h"
+#include "BulletCollision/CollisionShapes/btConvexHullShape.h"
 #include "BulletCollision/CollisionShapes/btSphereShape.h"
 #include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
@@ -49,6 +50,13 @@ struct Hand
 		const BulletDecoupledSettings& settings)
 		: body(info(shape, at)),
 		  source(body, std::move(tree), clock, settings)
+	{
+		state.X_WH.translation = at;
+	}
+	/// A tool with the parts of its shape.
+	Hand(btISTWorld& world, btCollisionShape& shape, Clock& clock, const ist::Vec3& at, const BulletDecoupledSettings& settings)
+		: body(info(shape, at)),
+		  source(world, body, clock, settings)
 	{
 		state.X_WH.translation = at;
 	}

@@ -68,11 +68,20 @@ const Tool kTools[] = {{"dynamic", kToolMass, {2000, 0.4, 0, 0, 12, 0.2}, false}
 	{"adaptive", kToolMass, {1000, 0.4, 0, 0, 12, 0.2, false, 2}, false},
 	{"static_adaptive", 0, {1000, 0.4, 0, 0, 12, 0.2, true, 2}, false}, {"with_weight", 0.01, {2000, 0.4, 0, 0, 12, 0.2}, true}};
 
+btConvexHullShape boxHull()
+{
+	btConvexHullShape hull;
+	for (int i = 0; i < 8; ++i) hull.addPoint(bullet(kBoxHalf * Vec3{i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0}));
+	hull.setMargin(0);
+	return hull;
+}
+
 /// A simulated hand presses a box on a table.
 struct Loop
 {
 	DecoupledRig rig{kRate, {0, -9.81, 0}};
-	btBoxShape shape{rig.boxShape}, stockShape{rig.boxShape};
+	// A box without a tree would be felt in closed form; a hull without a tree is not felt.
+	btConvexHullShape shape = boxHull(), stockShape = boxHull();
 	btISTAttachment attached;
 	btRigidBody* box = nullptr;
 	SimulatedDevice* simulated = nullptr;

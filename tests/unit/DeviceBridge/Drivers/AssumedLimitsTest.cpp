@@ -85,8 +85,9 @@ TEST(AssumedLimits, AnUnknownModelStaysUnknown)
 	{
 		DeviceInfo info = bare(maker, model, kTranslation);
 		assumeLimits(info);
-		EXPECT_EQ(info.peakForce + info.maxStiffness + info.maxDamping + info.damping, 0) << maker;
-		EXPECT_EQ(info.assumed, 0U);
+		EXPECT_EQ(info.maxStiffness + info.maxDamping + info.damping, 0) << maker;
+		EXPECT_EQ(info.peakForce, 2) << "nothing is sent to motors of an unknown peak";
+		EXPECT_EQ(info.assumed, static_cast<unsigned>(kAssumedPeakForce));
 		EXPECT_TRUE(info.profile.empty());
 		EXPECT_NE(info.source.find("unknown: max_stiffness"), std::string::npos) << info.source;
 	}
@@ -94,7 +95,7 @@ TEST(AssumedLimits, AnUnknownModelStaysUnknown)
 	DeviceInfo info = bare("Acme", "arm", kTranslation);
 	info.profile = "data/devices/sigma7.json";
 	assumeLimits(info);
-	EXPECT_EQ(info.peakForce, 0);
+	EXPECT_EQ(info.peakForce, 2);
 	EXPECT_TRUE(info.profile.empty());
 	// A mouse has no limits to report.
 	info = bare("Acme", "mouse", 0);
@@ -108,9 +109,9 @@ TEST(AssumedLimits, AStiffnessThatIsToldAloneGivesItsDamping)
 	info.maxStiffness = 600;
 	assumeLimits(info);
 	EXPECT_NEAR(info.damping, 0.3, 1e-12);
-	EXPECT_EQ(info.assumed, static_cast<unsigned>(kAssumedDamping));
+	EXPECT_EQ(info.assumed, static_cast<unsigned>(kAssumedDamping | kAssumedPeakForce));
 	EXPECT_NEAR(passiveGains(info, info.damping, 0, 1e-3).stiffness, 600, 1e-9);
-	EXPECT_EQ(namesOfAssumed(info.assumed), std::vector<std::string>{"damping"});
+	EXPECT_EQ(namesOfAssumed(info.assumed), (std::vector<std::string>{"peak_force", "damping"}));
 }
 
 TEST(AssumedLimits, NamesAreTakenAsVendorsWriteThem)

@@ -126,3 +126,90 @@ TEST(DeviceRegistry, ReportsWhatIsMissingAndWhy)
 	ASSERT_FALSE(device);
 	EXPECT_NE(device.error().message.find("libnerve-dev"), std::string::npos);
 }
+
+TEST(DeviceRegistry, ASimulatedDeviceShowsAFaultThatItsAddressNames)
+{
+	DeviceRegistry registry;
+	DeviceState state;
+	auto device = registry.open("sim:touch?fault=nan&at=0.5");
+	ASSERT_TRUE(device) << device.error().message;
+	for (const std::int64_t now : {0, 499'000'000, 500'000'000})
+	{
+		EXPECT_EQ(device.value()->read(now, state), DeviceStatus::Ok);
+		EXPECT_EQ(isRigid(state.X_WH), now < 500'000'000);
+	}
+	EXPECT_TRUE(registry.open("sim:touch?fault=frozen"));
+	EXPECT_TRUE(registry.open("sim:touch?fault=early"));
+	const auto unknown = registry.open("sim:touch?fault=broken");
+	ASSERT_FALSE(unknown);
+	EXPECT_NE(unknown.error().message.find("must be nan, frozen or early"), std::string::npos);
+}
+
+namespace
+{
+/// A handle whose pose and buttons the test sets, and that remembers the force on it.
+struct Lever final : Device
+{
+	DeviceInfo limits;
+	static inline DeviceState now;
+	static inline ist::Wrench felt;
+	Lever()
+	{
+		limits.sensed = limits.actuated = kTranslation;
+		limits.peakForce = 12, limits.maxStiffness = 1000, limits.workspaceRadius = 0.1;
+	}
+	const DeviceInfo& info() const noexcept override { return limits; }
+	DeviceStatus open() noexcept override { return DeviceStatus::Ok; }
+	void close() noexcept override {}
+	DeviceStatus read(std::int64_t, DeviceState& state) noexcept override
+	{
+		state = now;
+		return DeviceStatus::Ok;
+	}
+	DeviceStatus write(const DeviceCommand& command) noexcept override
+	{
+		felt = command.wrench;
+		return DeviceStatus::Ok;
+	}
+};
+}  // namespace
+
+// Expected values are worked out by hand: a metre of the handle is half a metre in W, and power is preserved.
+TEST(DeviceRegistry, ScaleAndClutchAreOptionsOfEveryAddress)
+{
+	DeviceRegistry registry;
+	ASSERT_TRUE(registry.addScheme(
+		"lever", [](const std::string&) { return ist::Result<std::unique_ptr<Device>>(std::make_unique<Lever>()); }, "a test's own"));
+	auto opened = registry.open("lever:?scale=0.5&clutch=2");
+	ASSERT_TRUE(opened) << opened.error().message;
+	Device& device = *opened.value();
+	EXPECT_NEAR(device.info().peakForce, 24, 1e-12);
+	EXPECT_NEAR(device.info().maxStiffness, 4000, 1e-9);
+	EXPECT_NEAR(device.info().workspaceRadius, 0.05, 1e-12);
+	DeviceState state;
+	const auto at = [&](double x, std::uint32_t buttons) {
+		Lever::now = {};
+		Lever::now.X_WH.translation.x = x;
+		Lever::now.buttons = buttons;
+		EXPECT_EQ(device.read(0, state), DeviceStatus::Ok);
+		return state.X_WH.translation.x;
+	};
+	EXPECT_NEAR(at(0.08, 1), 0.04, 1e-12) << "the first button is not the clutch";
+	DeviceCommand command;
+	command.wrench.force = {4, 0, 0};
+	device.write(command);
+	EXPECT_NEAR(Lever::felt.force.x, 2, 1e-12);
+	EXPECT_NEAR(at(-0.08, 2), 0.04, 1e-12) << "the handle moves alone";
+	device.write(command);
+	EXPECT_EQ(Lever::felt.force.x, 0);
+	EXPECT_NEAR(at(-0.06, 0), 0.04, 1e-12) << "it continues from where it stayed";
+	EXPECT_NEAR(at(-0.04, 0), 0.05, 1e-12);
+	for (const char* wrong : {"lever:?scale=0", "lever:?scale=large", "lever:?clutch=33", "lever:?clutch=1.5", "lever:?clutch=trigger"})
+	{
+		const auto refused = registry.open(wrong);
+		ASSERT_FALSE(refused) << wrong;
+		EXPECT_NE(
+			refused.error().message.find(std::string(wrong).find("scale") != std::string::npos ? "scale" : "clutch"), std::string::npos)
+			<< refused.error().message;
+	}
+}

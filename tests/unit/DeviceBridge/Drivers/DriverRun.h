@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <thread>
 
-#include "DeviceBridge/Coupling/VirtualCoupling.h"
+#include "DeviceBridge/Coupling/DeviceGains.h"
 #include "DeviceBridge/Loop/SteppingThread.h"
 
 namespace devicebridge
@@ -62,10 +62,10 @@ public:
 	}
 
 	/// The force that is sent when the hand is 5 mm from a tool that is held. The coupling is that of the recipe of docs/stability.md, with
-	/// `damping` of the mechanism.
+	/// `damping` of the mechanism; without it, of gainsForDevice().
 	double forceByRecipe(const Device& device, double damping)
 	{
-		const CouplingGains gains = passiveGains(device.info(), damping, 0, 0.001);
+		const CouplingGains gains = damping > 0 ? passiveGains(device.info(), damping, 0, 0.001) : gainsForDevice(device.info(), 0.001);
 		EXPECT_GT(gains.stiffness, 0) << device.info().source;
 		EXPECT_GT(gains.maxForce, 0) << device.info().source;
 		ist::Pose X_WH;

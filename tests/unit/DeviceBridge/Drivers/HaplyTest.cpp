@@ -217,6 +217,11 @@ TEST(Haply, LimitsAreThoseOfItsModelAndSaySo)
 		EXPECT_EQ(info.continuousForce, 4);
 		EXPECT_TRUE(info.assumed & kAssumedPeakForce);
 		EXPECT_NE(info.source.find("assumed"), std::string::npos) << info.source;
+		{
+			DriverRun run(*device);
+			EXPECT_GT(run.forceByRecipe(*device, 0), 0);
+			EXPECT_TRUE(run.until([&] { return norm(service.force()) > 0; }));
+		}
 		if (kind != "inverse3")
 		{
 			EXPECT_EQ(info.maxStiffness, 0);

@@ -122,7 +122,7 @@ TEST_P(VendorPlugin, IsFeltByTheRecipeWithNothingSet)
 	EXPECT_TRUE(info.assumed & kAssumedDamping) << "of none of them it is known";
 	EXPECT_NE(info.source.find("assumed"), std::string::npos) << info.source;
 	EXPECT_EQ((info.assumed & kAssumedMaxStiffness) != 0, name != "hd") << "libHD tells it";
-	for (const double damping : {info.damping, 2.5})
+	for (const double damping : {info.damping, 2.5, 0.0})
 	{
 		DriverRun run(device);
 		EXPECT_GT(run.forceByRecipe(device, damping), 0);

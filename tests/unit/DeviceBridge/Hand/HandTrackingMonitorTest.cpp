@@ -5,7 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
+#include <random>
+#include <string>
+#include <utility>
 
 using namespace devicebridge;
 using ist::Vec3;
@@ -137,6 +141,89 @@ TEST(HandTrackingMonitor, TheOtherHandIsNotUsed)
 	EXPECT_EQ(distance(w.monitor.target(kIndex1).X_WB.translation, stood), 0);
 	EXPECT_EQ(w.monitor.complaints().wrongSide, 10u);
 	EXPECT_EQ(w.monitor.complaints().lost, 0u);
+}
+
+// A driver that goes on claiming "tracked": each sample is made wrong by hand, and the hand must stand where it was, let go, and come back.
+TEST(HandTrackingMonitor, AHandThatCannotBeTrueIsALostHandAndIsNamed)
+{
+	const auto collapse = [](HandState& hand, const Vec3& where) {
+		for (HandJoint& joint : hand.joints) joint.position = where;
+	};
+	const std::pair<HandSampleFault, std::function<void(HandState&)>> faults[] = {
+		{HandSampleFault::AtOrigin, [&](HandState& hand) { collapse(hand, {}); }},
+		{HandSampleFault::Collapsed,
+			[&](HandState& hand) {
+				collapse(hand, {0.1, 1.2, -0.3});
+			}},
+		{HandSampleFault::Millimetres, [](HandState& hand) { moveHand(hand, {}, 1000); }},
+		{HandSampleFault::WrongSize, [](HandState& hand) { moveHand(hand, {}, 0.3); }},
+		{HandSampleFault::Mirrored,
+			[](HandState& hand) {
+				for (HandJoint& joint : hand.joints) joint.position.x = -joint.position.x;
+			}},
+		{HandSampleFault::NoRadius, [](HandState& hand) {
+			 for (HandJoint& joint : hand.joints) joint.radius = 0;
+		 }}};
+	for (const auto& [fault, spoil] : faults)
+	{
+		SCOPED_TRACE(describe(fault));
+		Monitored w;
+		w.monitor.update(w.hand, kTick);
+		const Vec3 stood = w.monitor.target(kThumb2).X_WB.translation;
+		HandState wrong = w.hand;
+		spoil(wrong);
+		for (int i = 0; i < 290; ++i) w.monitor.update(wrong, kTick);
+		EXPECT_EQ(w.monitor.grip(), 1);
+		for (int i = 0; i < 600; ++i) w.monitor.update(wrong, kTick);
+		EXPECT_EQ(w.monitor.grip(), 0);
+		EXPECT_EQ(distance(w.monitor.target(kThumb2).X_WB.translation, stood), 0);
+		EXPECT_EQ(norm(w.monitor.target(kThumb2).twist.linear), 0);
+		for (int i = 0; i < 130; ++i) w.monitor.update(w.hand, kTick);
+		EXPECT_EQ(w.monitor.grip(), 1);
+		EXPECT_EQ(w.monitor.complaints().of(fault), 890u);
+		EXPECT_EQ(w.monitor.complaints().lost, 0u);
+		EXPECT_EQ(w.monitor.complaints().jumps, 0u);
+		EXPECT_NE(w.monitor.complaints().sentence().find(describe(fault)), std::string::npos) << w.monitor.complaints().sentence();
+	}
+}
+
+// Turned anywhere and a little larger, a true hand of either side, open or a fist, has no fault.
+TEST(HandTrackingMonitor, ATrueHandHasNoFault)
+{
+	std::mt19937_64 random(5);
+	std::uniform_real_distribution<double> u(-3, 3);
+	for (const bool left : {false, true})
+		for (const double scale : {0.7, 1.0, 1.4})
+			for (int i = 0; i < 20; ++i)
+			{
+				HandState hand = posedHand({}, {left, 0.189});
+				const HandShape shape = measureHand(hand).value();
+				moveHand(hand, {rotationMatrix(ist::quaternionFromRotationVector({u(random), u(random), u(random)})), {u(random), 1000, 0}},
+					scale);
+				if (i % 2) hand.joints[kThumbTip].position = {1e30, 0, 0};
+				ASSERT_EQ(faultOf(hand, shape), HandSampleFault::None) << left << scale;
+			}
+}
+
+TEST(HandTrackingMonitor, AFrozenHandIsLostWhereTheLimitsSaySo)
+{
+	for (const double frozenAfter : {0.0, 0.2})
+	{
+		Monitored made;
+		HandTrackingLimits limits;
+		limits.frozenAfter = frozenAfter;
+		HandTrackingMonitor monitor(made.model, handPartPoses(made.model, made.hand), limits);
+		for (int i = 0; i < 2000; ++i) monitor.update(made.hand, kTick);
+		EXPECT_EQ(monitor.grip(), frozenAfter > 0 ? 0 : 1);
+		EXPECT_EQ(monitor.complaints().of(HandSampleFault::Frozen) > 1700, frozenAfter > 0);
+		// A tremble of a tenth of a millimetre is a living hand.
+		for (int i = 0; i < 200; ++i)
+		{
+			moveHand(made.hand, {{}, {0, i % 2 ? 1e-4 : -1e-4, 0}});
+			monitor.update(made.hand, kTick);
+		}
+		EXPECT_EQ(monitor.grip(), 1);
+	}
 }
 
 TEST(HandTrackingMonitor, DoesNotAllocate)

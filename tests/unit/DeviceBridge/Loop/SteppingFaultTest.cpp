@@ -5,6 +5,7 @@
 #include <csignal>
 #include <functional>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
@@ -333,4 +334,94 @@ TEST(SteppingFault, TheDestructorLeavesTheDeviceAtZero)
 		EXPECT_GT(norm(device.last.wrench.force), 0.1);
 	}
 	EXPECT_EQ(device.last.wrench.force, ist::Vec3{});
+}
+
+namespace
+{
+/// A hand that presses 5 mm into the wall from 1 s on, and turns its wrist by 1 rad/s, on a simulated device with a fault.
+struct SpoiledRig
+{
+	SimulatedDevice device;
+	SlowWall wall;
+	VirtualClock clock;
+	SteppingThread thread{device, wall, clock};
+	double largest = 0, steepest = 0;  ///< force, and its largest rise in a tick [N]
+
+	static SimulatedProfile profile(SimulatedFault fault, double at)
+	{
+		SimulatedProfile p = simulatedProfile("sigma7").value();
+		p.fault = fault;
+		p.faultAt = at;
+		return p;
+	}
+	SpoiledRig(SimulatedFault fault, double at) : device(profile(fault, at))
+	{
+		device.setHand([](double t) {
+			ist::Pose pose;
+			pose.translation.z = t < 1 ? 0.01 : -0.005;
+			pose.rotation = rotationMatrix(ist::quaternionFromRotationVector({0, 0, t}));
+			return HandTarget{pose, {{}, {0, 0, 1}}};
+		});
+		ist::Pose start;
+		start.translation.z = 0.01;
+		device.place(start);
+		device.open();
+		thread.enableForces(true);
+		clock.sleepUntil(1'000'000'000);  // a clock that runs since long
+	}
+	double force() const { return norm(device.lastCommand().wrench.force); }
+	void run(int ticks)
+	{
+		for (int i = 0; i < ticks; ++i)
+		{
+			const double before = force();
+			thread.run(1);
+			steepest = std::max(steepest, force() - before);
+			largest = std::max(largest, force());
+		}
+	}
+};
+}  // namespace
+
+TEST(SteppingFault, AnAxisThatIsNotANumberEndsTheForceUntilItIsCleared)
+{
+	SpoiledRig r(SimulatedFault::NanInOneAxis, 2);
+	r.run(1900);
+	ASSERT_GT(r.force(), 0.5);
+	r.run(200);
+	EXPECT_EQ(r.force(), 0);
+	EXPECT_EQ(r.thread.faultCause(), FaultCause::InvalidState);
+	EXPECT_TRUE(isFinite(r.thread.wantedWrench()) && isRigid(r.thread.state().X_WH));
+}
+
+// The position alone would keep the force for ever, although the hand has moved away.
+TEST(SteppingFault, APositionThatStandsStillWhileTheWristTurnsEndsTheForce)
+{
+	SpoiledRig r(SimulatedFault::FrozenPosition, 2);
+	r.run(1900);
+	ASSERT_GT(r.force(), 0.5);
+	r.run(650);
+	EXPECT_EQ(r.force(), 0);
+	EXPECT_EQ(r.thread.faultCause(), FaultCause::PositionFrozen);
+	EXPECT_NE(std::string(describe(r.thread.faultCause())).find("calibrate the device"), std::string::npos);
+}
+
+// A hand at rest holds its position, too, and may tremble about its axes.
+TEST(SteppingFault, AHandAtRestIsNoFrozenPosition)
+{
+	FaultRig r;
+	r.thread.run(6000);
+	EXPECT_EQ(r.thread.faultCause(), FaultCause::None);
+}
+
+TEST(SteppingFault, ASampleThatWasNeverTakenGivesNoForce)
+{
+	SpoiledRig r(SimulatedFault::ValidBeforeRead, 0.8);
+	r.run(790);
+	EXPECT_EQ(r.largest, 0);
+	EXPECT_EQ(r.thread.faultCause(), FaultCause::Frozen);
+	r.run(1500);
+	EXPECT_EQ(r.thread.faultCause(), FaultCause::None);
+	EXPECT_GT(r.force(), 0.5);
+	EXPECT_LE(r.steepest, r.device.info().peakForce / 20 * (1 + 1e-9));  // the peak in 20 ms
 }

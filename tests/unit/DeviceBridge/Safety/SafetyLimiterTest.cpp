@@ -169,3 +169,30 @@ TEST(SafetyLimiter, ASafeCommandPassesUnchangedAndUncounted)
 	}
 	EXPECT_EQ(limiter.counts().total(), 0U);
 }
+
+// A law that answers again after 200 ms is felt along the ramp of half a second. One that is late by 30 ms comes at the slew limit, as
+// before.
+TEST(SafetyLimiter, ALawThatHungComesBackAlongTheRamp)
+{
+	for (const std::int64_t silent : {30 * kMs, 200 * kMs})
+	{
+		SafetyLimiter limiter(sixDof());
+		std::int64_t t = 0;
+		double force = 0;
+		for (; t < 1000 * kMs; t += kMs) force = limiter.limit(command({5, 0, 0}, t), {}, t).wrench.force.x;
+		ASSERT_NEAR(force, 5, 1e-9);
+		const std::int64_t hungSince = t;
+		for (; t < hungSince + silent; t += kMs) force = limiter.limit(command({5, 0, 0}, hungSince), {}, t).wrench.force.x;
+		EXPECT_EQ(force, 0);
+		double after[2] = {};  // 20 ms and 600 ms later
+		for (int i = 0; i < 600; ++i, t += kMs)
+		{
+			force = limiter.limit(command({5, 0, 0}, t), {}, t).wrench.force.x;
+			if (i == 20) after[0] = force;
+		}
+		after[1] = force;
+		if (silent > 100 * kMs) EXPECT_LE(after[0], 5 * 0.021 / 0.5 * 1.1);
+		else EXPECT_NEAR(after[0], 5, 1e-9);
+		EXPECT_NEAR(after[1], 5, 1e-9);
+	}
+}

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Bullet/BulletContactSource.h"
+#include "tests/unit/DeviceBridge/Bullet/DecoupledRig.h"
+
+#include "BulletCollision/BroadphaseCollision/btDbvtBroadphase.h"
+#include "BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h"
+#include "BulletDynamics/Featherstone/btMultiBody.h"
+#include "BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h"
+#include "BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h"
+#include "BulletDynamics/Featherstone/btMultiBodyJointMotor.h"
+#include "BulletDynamics/Featherstone/btMultiBodyLinkCollider.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+
+using namespace devicebridge;
+using ist::Vec3;
+
+namespace
+{
+constexpr double kLinkMass = 0.5;
+enum class Joint
+{
+	Fixed,     ///< to a fixed base
+	Slider,    ///< along x, free
+	Motorised  ///< the slider along y, held by a motor
+};
+
+/// A game with a multibody: a fixed base, and one link, a box of 40 mm without a tree.
+struct LinkGame
+{
+	btDefaultCollisionConfiguration configuration;
+	btCollisionDispatcher dispatcher{&configuration};
+	btDbvtBroadphase broadphase;
+	btMultiBodyConstraintSolver solver;
+	btMultiBodyDynamicsWorld world{&dispatcher, &broadphase, &solver, &configuration};
+	btBoxShape box{btVector3(btScalar(kBoxHalf), btScalar(kBoxHalf), btScalar(kBoxHalf))};
+	btSphereShape ball{btScalar(kBallRadius)};
+	btMultiBody multiBody{1, 0, btVector3(0, 0, 0), true, false};
+	btMultiBodyLinkCollider collider{&multiBody, 0};
+	std::unique_ptr<btMultiBodyJointMotor> motor;
+	std::unique_ptr<btISTWorld> ist;
+	btISTAttachment tree;
+
+	LinkGame(Joint joint, double period)
+	{
+		const btScalar inertia = btScalar(kLinkMass * 4 * kBoxHalf * kBoxHalf / 6);
+		const btVector3 inertias(inertia, inertia, inertia), none(0, 0, 0);
+		if (joint == Joint::Fixed) multiBody.setupFixed(0, btScalar(kLinkMass), inertias, -1, btQuaternion::getIdentity(), none, none);
+		else
+			multiBody.setupPrismatic(0, btScalar(kLinkMass), inertias, -1, btQuaternion::getIdentity(),
+				joint == Joint::Slider ? btVector3(1, 0, 0) : btVector3(0, 1, 0), none, none, true);
+		multiBody.finalizeMultiDof();
+		multiBody.setLinearDamping(0);
+		multiBody.setAngularDamping(0);
+		multiBody.setCanSleep(false);
+		world.setGravity(btVector3(0, 0, 0));
+		world.addMultiBody(&multiBody);
+		collider.setCollisionShape(&box);
+		collider.setFriction(btScalar(0.5));
+		multiBody.getLink(0).m_collider = &collider;
+		world.addCollisionObject(&collider, 1, -1);
+		if (joint == Joint::Motorised)
+		{
+			motor = std::make_unique<btMultiBodyJointMotor>(&multiBody, 0, btScalar(0), btScalar(100 * period));
+			motor->setPositionTarget(0, btScalar(0.2));
+			world.addMultiBodyConstraint(motor.get());
+		}
+		ist = std::make_unique<btISTWorld>(world);
+		tree = std::move(ist->attach(&ball, ballTree())).value();
+		if (ist->materials().set(&collider, {2e7, 2})) throw std::runtime_error("material");
+	}
+	~LinkGame()
+	{
+		ist.reset();
+		if (motor) world.removeMultiBodyConstraint(motor.get());
+		world.removeCollisionObject(&collider);
+		world.removeMultiBody(&multiBody);
+	}
+};
+
+using Script = std::function<ist::Twist(double)>;
+
+std::vector<Vec3> inOneThread(Joint joint, const Script& script, const Vec3& start, int ticks)
+{
+	LinkGame game(joint, 1e-3);
+	btRigidBody tool(Hand::info(game.ball, start));
+	if (game.ist->materials().set(&tool, {2e7, 2})) throw std::runtime_error("material");
+	game.world.addRigidBody(&tool);
+	BulletToolSettings settings;
+	settings.gains = handSettings().gains;
+	BulletContactSource source(*game.ist, tool, settings);
+	DeviceState state;
+	state.X_WH.translation = start;
+	ToolStep step;
+	std::vector<Vec3> forces;
+	for (int i = 0; i < ticks; ++i)
+	{
+		state.twist = script(1e-3 * (i + 1));
+		state.X_WH.translation += 1e-3 * state.twist.linear;
+		step.contactCount = 0, step.overlapVolume = 0, step.pairs = 0;
+		source.advance(1e-3, state, step);
+		forces.push_back(step.coupling.force);
+	}
+	game.world.removeRigidBody(&tool);
+	return forces;
+}
+
+struct Outcome
+{
+	std::vector<Vec3> forces;
+	Vec3 given;        ///< impulse on the tool from its contacts [N s]
+	double speed = 0;  ///< of the joint [m/s]
+};
+
+Outcome decoupled(Joint joint, const Script& script, const Vec3& start, int ticks, double rate, bool drain = false)
+{
+	LinkGame game(joint, 1 / rate);
+	VirtualClock clock;
+	BulletWorldCoupling coupling(*game.ist);
+	Hand hand(*game.ist, game.ball, clock, start, handSettings());
+	if (game.ist->materials().set(&hand.body, {2e7, 2})) throw std::runtime_error("material");
+	coupling.add(hand.source);
+	hand.script = script;
+	coupling.show(1 / rate);
+	Outcome out;
+	std::int64_t steps = 0;
+	for (int i = 1; i <= ticks; ++i)
+	{
+		while (double(steps + 1) / rate <= 1e-9 * double(clock.now()) + 1e-9) coupling.step(1 / rate), ++steps;
+		clock.sleepUntil(i * kTickPeriod);
+		hand.tick(1e-9 * double(clock.now()));
+		out.forces.push_back(hand.step.coupling.force);
+	}
+	if (drain) coupling.step(1 / rate);
+	EXPECT_TRUE(coupling.unfelt().empty()) << coupling.unfeltReport();
+	out.given = hand.source.receivedImpulse();
+	out.speed = game.multiBody.getNumDofs() > 0 ? double(game.multiBody.getJointVel(0)) : 0;
+	coupling.remove(hand.source);
+	return out;
+}
+}  // namespace
+
+// The oracle is one-thread mode, in which the world's own solver finds the force.
+TEST(DecoupledLinks, AHeldLinkFeelsAsInOneThread)
+{
+	const Vec3 start{-0.01, kBoxHalf + kBallRadius + 0.002, 0};
+	const Script script = [](double time) {
+		const double t = time - 0.1005;
+		if (t <= 0) return ist::Twist();
+		if (t <= 0.2) return ist::Twist{{0, -0.005 / 0.2, 0}, {}};
+		return ist::Twist{{t > 0.9 && t <= 1.1 ? 0.1 : 0, 0, 0}, {}};
+	};
+	for (const Joint joint : {Joint::Fixed, Joint::Motorised})
+		for (const double rate : {60.0, 240.0})
+		{
+			const std::vector<Vec3> oracle = inOneThread(joint, script, start, 1200),
+									forces = decoupled(joint, script, start, 1200, rate).forces;
+			const double force = norm(oracle[999]);
+			double atRest = 0, sliding = 0;
+			for (std::size_t i = 900; i < 1000; ++i) atRest = std::max(atRest, distance(oracle[i], forces[i]) / norm(oracle[i]));
+			for (std::size_t i = 1020; i < 1200; ++i) sliding = std::max(sliding, distance(oracle[i], forces[i]) / norm(oracle[i]));
+			std::printf("%s link, world at %g Hz: %.2f N, at rest within %.2f %%, sliding within %.2f %%\n",
+				joint == Joint::Fixed ? "fixed" : "motorised", rate, force, 100 * atRest, 100 * sliding);
+			EXPECT_GT(force, 0.5);
+			EXPECT_LT(atRest, 0.02) << rate;
+			EXPECT_LT(sliding, 0.1) << rate;
+		}
+}
+
+// The joint keeps what the hand gave: mass times the joint's speed. It is counted from Bullet's own state.
+TEST(DecoupledLinks, AFreeLinkGetsTheImpulseThatTheHandGave)
+{
+	for (const double rate : {60.0, 240.0, 1000.0})
+	{
+		const Vec3 start{-(kBoxHalf + kBallRadius + 0.001), 0, 0};
+		const Script script = [](double t) { return ist::Twist{{t > 0.1 ? std::min(0.2, t - 0.1) : 0, 0, 0}, {}}; };
+		const Outcome out = decoupled(Joint::Slider, script, start, 600, rate, true);
+		EXPECT_GT(-out.given.x, 0.05) << rate;
+		EXPECT_NEAR(kLinkMass * out.speed, -out.given.x, 0.01 * norm(out.given)) << rate;
+		// The hand feels tool and link: the force on both is mass times acceleration, apart from the first touch.
+		double largest = 0;
+		for (const Vec3& f : out.forces) largest = std::max(largest, norm(f));
+		EXPECT_LT(largest, 3 * (kLinkMass + kDecoupledToolMass)) << rate;
+		std::printf("slider, world at %g Hz: %.3f m/s, largest force %.2f N\n", rate, out.speed, largest);
+	}
+}
