@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Import/MeshFileUnit.h"
 
+#include "BulletISTCollision/Core/Import/MeshText.h"
+#include "BulletISTCollision/Core/Import/ObjForAssimp.h"
+#include "BulletISTCollision/Core/Import/PlyForAssimp.h"
 #include "BulletISTCollision/Core/Import/XmlTags.h"
 #include "BulletISTCollision/Core/Import/ZipArchive.h"
 
@@ -41,6 +44,8 @@ std::string plain(std::string text)
 	std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
 	return text;
 }
+
+std::string endingOf(const std::string& path) { return plain(std::filesystem::path(path).extension().string()); }
 
 MeshFileUnit namedUnit(const char* format, std::span<const NamedUnit> units, const std::optional<std::string>& stated)
 {
@@ -100,7 +105,7 @@ Result<MeshFileHead> headOfArchive(const std::string& path, const ZipArchive& ar
 		XmlTags tags(*model);
 		return MeshFileHead{namedUnit("3MF", kUnitsOf3mf, tags.next() ? tags.attribute("unit") : std::nullopt), {}};
 	}
-	const std::string ending = plain(std::filesystem::path(path).extension().string());
+	const std::string ending = endingOf(path);
 	for (const std::string& name : archive.names())
 	{
 		const bool isCollada = ending == ".zae" && plain(name).ends_with(".dae");
@@ -124,9 +129,10 @@ std::optional<std::string> contentOf(const std::string& path)
 	file.read(head, sizeof head);
 	const std::string_view start(head, static_cast<size_t>(file.gcount()));
 	const size_t first = start.find_first_not_of(" \t\r\n");
-	const bool isXml = first != start.npos && (start[first] == '<' || start.starts_with("\xef\xbb\xbf"));
-	const std::string ending = plain(std::filesystem::path(path).extension().string());
-	if (!isXml && !start.starts_with("PK") && ending != ".3mf" && ending != ".zae") return std::nullopt;
+	const bool isXml = first != start.npos && (start[first] == '<' || needsUtf8(start));
+	const std::string ending = endingOf(path);
+	if (!isXml && !start.starts_with("PK") && ending != ".3mf" && ending != ".zae" && ending != ".obj" && ending != ".ply")
+		return std::nullopt;
 	file.clear();
 	file.seekg(0);
 	std::string content(std::filesystem::file_size(path, failure), '\0');
@@ -144,7 +150,17 @@ Result<MeshFileHead> readMeshFileHead(const std::string& path)
 
 Result<MeshFileHead> meshFileHead(const std::string& path, std::string_view content)
 {
+	const std::string ending = endingOf(path);
+	if (ending == ".obj" || ending == ".ply")
+	{
+		Result<std::optional<std::string>> text = ending == ".obj" ? objForAssimp(content) : plyForAssimp(content);
+		if (!text) return Error{"cannot read " + path + ": " + text.error().message};
+		return MeshFileHead{{}, std::move(text).value()};
+	}
 	if (const std::optional<ZipArchive> archive = ZipArchive::open(content)) return headOfArchive(path, *archive);
-	return MeshFileHead{unitOfXml(content), {}};
+	if (!needsUtf8(content)) return MeshFileHead{unitOfXml(content), {}};
+	std::string text = utf8Text(content);
+	const MeshFileUnit unit = unitOfXml(text);
+	return MeshFileHead{unit, std::move(text)};
 }
 }  // namespace ist

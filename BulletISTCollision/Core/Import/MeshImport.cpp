@@ -111,17 +111,17 @@ private:
 class ProgressFiles : public Assimp::DefaultIOSystem
 {
 public:
-	/// `unpacked`, if present, replaces the content of the file at `path`; it must outlive this object.
-	ProgressFiles(ImportProgress& importProgress, const std::string& path, const std::optional<std::string>& unpacked)
+	/// `content`, if present, replaces that of the file at `path`; it must outlive this object.
+	ProgressFiles(ImportProgress& importProgress, const std::string& path, const std::optional<std::string>& content)
 		: m_progress(importProgress),
 		  m_path(path),
-		  m_unpacked(unpacked)
+		  m_content(content)
 	{}
 	Assimp::IOStream* Open(const char* file, const char* mode) override
 	{
-		const bool isUnpacked = m_unpacked && m_path == file;
-		Assimp::IOStream* stream = isUnpacked
-			? new Assimp::MemoryIOStream(reinterpret_cast<const uint8_t*>(m_unpacked->data()), m_unpacked->size())
+		const bool isReplaced = m_content && m_path == file;
+		Assimp::IOStream* stream = isReplaced
+			? new Assimp::MemoryIOStream(reinterpret_cast<const uint8_t*>(m_content->data()), m_content->size())
 			: DefaultIOSystem::Open(file, mode);
 		return stream ? new ProgressStream(stream, m_progress) : nullptr;
 	}
@@ -130,7 +130,7 @@ public:
 private:
 	ImportProgress& m_progress;
 	const std::string& m_path;
-	const std::optional<std::string>& m_unpacked;
+	const std::optional<std::string>& m_content;
 };
 
 /// Distance between neighbouring single-precision values at the part's farthest coordinate, as a share of its longest side.
@@ -436,7 +436,7 @@ Result<TexturedMesh> readByAssimp(
 	const Result<Scale> scale = scaleOf(path, head.value().unit, given);
 	if (!scale) return scale.error();
 	Assimp::Importer importer;
-	importer.SetIOHandler(new ProgressFiles(importProgress, path, head.value().unpacked));
+	importer.SetIOHandler(new ProgressFiles(importProgress, path, head.value().content));
 	const MeshReaderWarnings warnings;
 	const aiScene* scene = importer.ReadFile(path, 0);
 	// The cast is safe: the importer owns the scene and returns it as const.
