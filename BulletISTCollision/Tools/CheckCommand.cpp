@@ -48,7 +48,7 @@ int runCheck(const CheckArguments& a)
 {
 	Report report = newReport();
 	std::vector<std::string> problems;
-	const Result<InnerSphereTree> tree = loadAsset(a.file);
+	const Result<InnerSphereTree> tree = loadTree(a.file);
 	report["ok"] = false;
 	for (const char* name : {"spheres", "overlapping_pairs", "max_overlap", "protruding", "max_protrusion", "surface_elements",
 			 "surface_area_error", "surface_open_area"})

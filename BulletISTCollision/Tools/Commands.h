@@ -89,6 +89,9 @@ int runTune(const TuneArguments& arguments);
 /// Prints the message on stderr and returns the code.
 int fail(const std::string& message, int code = kBadInput);
 
+/// The tree of an asset. The refusal of a file that may be a mesh says how to make a tree of it.
+Result<InnerSphereTree> loadTree(const std::string& path);
+
 /// Prints one line on stderr for each kind of content of the file that was not imported. Used by commands whose report does not list it.
 void warnOfNotTaken(const std::string& path, const Mesh& mesh);
 }  // namespace ist::tools

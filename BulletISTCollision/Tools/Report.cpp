@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Tools/Report.h"
 
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Json/ReadableText.h"
 #include "BulletISTCollision/Tools/Commands.h"
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <limits>
 #include <string_view>
 #include <utility>
@@ -37,17 +40,31 @@ Report unitName(double metres)
 	return metres == 1 ? Report("m") : metres == 0.01 ? Report("cm") : metres == 0.001 ? Report("mm") : Report(metres);
 }
 
-std::string format(const Report& report, bool json)
+namespace
 {
-	if (json) return report.dump() + "\n";
-	std::string text;
-	for (const auto& [name, value] : report.fields())
-	{
-		if (name == "schema") continue;
-		text += name + ": " + (value.isText() ? value.text() : value.dump()) + "\n";
-	}
-	return text;
+struct FieldUnit
+{
+	std::string_view field, unit;
+};
+// Fields of all commands; a name has the same unit in each.
+constexpr FieldUnit kUnits[] = {{"volume", "m^3"}, {"mesh_volume", "m^3"}, {"volume_sigma", "m^3"}, {"volume_lower", "m^3"},
+	{"volume_change", "%"}, {"leaf_volume_change", "%"}, {"area", "m^2"}, {"area_vector", "m^2"}, {"longest_side", "m"}, {"mean_gap", "m"},
+	{"max_gap", "m"}, {"min_radius", "m"}, {"surface_error", "m"}, {"surface_max_error", "m"}, {"sagitta", "m"}, {"center_of_mass", "m"},
+	{"inertia", "m^5, of density 1"}, {"centroid", "m"}, {"distance", "m"}, {"distance_lower", "m"}, {"nearest_a", "m"}, {"nearest_b", "m"},
+	{"max_overlap", "m"}, {"max_protrusion", "m"}, {"max_center_shift", "m"}, {"max_radius_loss", "m"}, {"max_radius_loss_share", "%"},
+	{"fill", "%"}, {"fill_loss", "%"}, {"uncovered_area", "%"}, {"surface_area_error", "%"}, {"surface_open_area", "%"}, {"energy", "J"},
+	{"force", "N"}, {"force_sigma", "N"}, {"torque", "N m"}, {"stiffness", "N/m, N; N, N m"}, {"seconds", "s"}, {"bytes", "B"},
+	{"surface_bytes", "B"}, {"peak_memory_bytes", "B"}};
+
+std::string unitOf(std::string_view field)
+{
+	for (const FieldUnit& known : kUnits)
+		if (known.field == field) return std::string(known.unit);
+	return field.starts_with("seconds_") ? "s" : unitAtEnd(field);
 }
+}  // namespace
+
+std::string format(const Report& report, bool json) { return json ? report.dump() + "\n" : readableText(report, unitOf); }
 
 double volumeChange(const InnerSphereTree& tree)
 {
@@ -102,6 +119,16 @@ int fail(const std::string& message, int code)
 {
 	std::fprintf(stderr, "ist: %s\n", withFlags(message).c_str());
 	return code;
+}
+
+Result<InnerSphereTree> loadTree(const std::string& path)
+{
+	Result<InnerSphereTree> tree = loadAsset(path);
+	std::error_code missing;
+	const std::string ending = std::filesystem::path(path).extension().string();
+	if (tree || ending == ".ist" || ending == ".ista" || !std::filesystem::is_regular_file(path, missing)) return tree;
+	return Error{tree.error().message + "; if it is a mesh, make a tree of it: ist build " + path + " -o " +
+		std::filesystem::path(path).stem().string() + ".ist"};
 }
 
 void warnOfNotTaken(const std::string& path, const Mesh& mesh)

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Base/Version.h"
 #include "BulletISTCollision/Tools/IntegerArgument.h"
+#include "BulletISTCollision/Tools/UnknownCommand.h"
 
 #include <CLI/CLI.hpp>
 
@@ -11,6 +12,8 @@
 #include <cstdio>
 #include <exception>
 #include <functional>
+#include <string>
+#include <vector>
 
 namespace ist::tools
 {
@@ -36,6 +39,8 @@ public:
 
 	int run(int argc, char** argv)
 	{
+		if (argc > 1)
+			if (const std::string sentence = unknownCommand(argv[1], commands()); !sentence.empty()) return fail(sentence, kUsage);
 		try
 		{
 			m_app.parse(argc, argv);
@@ -52,6 +57,13 @@ public:
 	}
 
 private:
+	std::vector<std::string> commands() const
+	{
+		std::vector<std::string> names;
+		for (const CLI::App* sub : m_app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(sub->get_name());
+		return names;
+	}
+
 	CLI::App* add(const char* name, const char* description, std::function<int()> command)
 	{
 		CLI::App* sub = m_app.add_subcommand(name, description);
@@ -104,8 +116,8 @@ private:
 		CLI::App* sub = add("export", "Write spheres or leaves as CSV", [this] { return runExport(m_export); });
 		sub->add_option("file", m_export.file, "asset")->required();
 		CLI::Option_group* what = sub->add_option_group("what");
-		what->add_option("--spheres", m_export.spheres, "CSV of the packed spheres");
-		what->add_option("--leaves", m_export.leaves, "CSV of the leaves");
+		what->add_option("--spheres", m_export.spheres, "CSV of the packed spheres; - for standard output");
+		what->add_option("--leaves", m_export.leaves, "CSV of the leaves; - for standard output");
 		what->require_option(1, 2);
 	}
 

@@ -69,6 +69,8 @@ cube=$dir/cube.ist
 expect version 0 "$ist" --version
 expect help 0 "$ist" build --help
 expect "no command" 2 "$ist"
+expect "unknown command" 2 "$ist" biuld "$dir/cube.obj"
+says "unknown command" 'there is no command "biuld"; the nearest is "build"'
 
 expect build 0 "$ist" build "$dir/cube.obj" -o "$cube" --spheres 300 --json
 holds build 'r["schema"] == 1 and r["spheres"] == 300 and r["leaves"] >= 300 and near(r["volume"], 1) and near(r["area"], 6)'
@@ -77,6 +79,16 @@ holds "build fields" 'set("spheres leaves fill volume mesh_volume area longest_s
 	'peak_memory_bytes bytes_per_leaf surface_elements surface_cells surface_error surface_max_error surface_bytes' \
 	'sagitta".split()) <= set(r)'
 holds "build values" '0.5 < r["fill"] < 1 and r["watertight"] is True and r["peak_memory_bytes"] > 0 and r["min_radius"] > 0'
+expect "build to standard output" 1 "$ist" build "$dir/cube.obj" -o - --spheres 30
+says "build to standard output" "name a file"
+expect "export to standard output" 0 "$ist" export "$cube" --spheres -
+[ "$(wc -l < "$dir/out")" -eq 301 ] || { echo "FAILED export to standard output"; failures=$((failures + 1)); }
+expect "export both to standard output" 1 "$ist" export "$cube" --spheres - --leaves -
+[ ! -e ./- ] || { echo "FAILED: a file named -"; failures=$((failures + 1)); }
+expect "query of a mesh" 1 "$ist" query "$dir/cube.obj" "$cube" --pose 0,0,0,0,0,0,1
+says "query of a mesh" "make a tree of it: ist build $dir/cube.obj -o cube.ist"
+expect "text of info" 0 "$ist" info "$cube"
+grep -q '^volume  *1 m^3$' "$dir/out" || { echo "FAILED text of info"; failures=$((failures + 1)); }
 expect "build by many threads" 0 "$ist" build "$dir/cube.obj" -o "$dir/many.ist" --spheres 300 --threads 64 --json
 holds "build by many threads" 'r["peak_memory_bytes"] < 1e9'
 cmp -s "$cube" "$dir/many.ist" || { echo "FAILED build by many threads: another asset"; failures=$((failures + 1)); }
