@@ -31,6 +31,7 @@ int runInfo(const InfoArguments& a)
 	const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 	if (!loaded) return fail(loaded.error().message);
 	const InnerSphereTree& tree = loaded.value();
+	askAboutSize(a.file, tree.box.longestSide());
 	std::error_code ignored;
 	Report report = newReport();
 	describeTree(report, tree, std::filesystem::file_size(a.file, ignored));

@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Tools/Commands.h"
 
 #include "BulletISTCollision/Core/Base/Version.h"
+#include "BulletISTCollision/Core/Mesh/LengthUnit.h"
 #include "BulletISTCollision/Tools/IntegerArgument.h"
 #include "BulletISTCollision/Tools/UnknownCommand.h"
 
@@ -83,11 +84,15 @@ private:
 		sub->add_option("--fill", a.fill, "stop at this share of the volume, 0..1")->check(fraction());
 		sub->add_option("--min-radius", a.minRadius, "smallest radius [m]")->check(positive());
 		sub->add_option("--error", a.error, "force error at 1 % overlap by the tree's own error bar, 0..1")->check(fraction());
-		sub->add_option("--unit", a.unit, "length unit of the mesh file, in place of the one that it states")
-			->check(CLI::IsMember({"m", "cm", "mm"}));
+		sub->add_option(
+			   "--unit", a.unit, "length unit of the mesh file, in place of the one that it states: m, cm, mm, um, in, ft, or metres")
+			->check(unit());
+		sub->add_option("--up", a.up, "the file's axis that points up, which becomes y: z or -x, or z,y with another axis to become")
+			->check(axes());
 		sub->add_option("--repair", a.repair, "what to do about broken meshes")
 			->check(CLI::IsMember({"auto", "off", "wrap"}))
 			->capture_default_str();
+		sub->add_flag("--accept-doubt", a.acceptDoubt, "also build what repair may have guessed by more than half of the volume");
 		sub->add_option("--threads", a.threads, "threads (all)")->transform(integerArgument(1, 4096));
 		sub->add_flag("--no-surface", a.withoutSurface, "without the surface: shallow queries are faster, and wrong below the gaps");
 		sub->add_option("--seed", a.seed, "seed")->transform(integerArgument<uint64_t>(0))->capture_default_str();
@@ -201,6 +206,20 @@ private:
 																						  : std::string("must ") + wanted + ": " + text;
 			},
 			range);
+	}
+	static CLI::Validator unit()
+	{
+		return CLI::Validator(
+			[](std::string& text) {
+				return lengthUnit(text) ? std::string() : "must be m, cm, mm, um, in, ft, or metres as a number above 0: " + text;
+			},
+			"UNIT");
+	}
+	static CLI::Validator axes()
+	{
+		return CLI::Validator(
+			[](std::string& text) { return upAxes(text) ? std::string() : "must be an axis like z or -x, or two like z,y: " + text; },
+			"AXIS");
 	}
 	static CLI::Validator fraction()
 	{

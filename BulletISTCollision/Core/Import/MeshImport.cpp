@@ -11,6 +11,7 @@
 #include <assimp/IOStream.hpp>
 #include <assimp/Importer.hpp>
 #include <assimp/MemoryIOWrapper.h>
+#include <assimp/config.h>
 #include <assimp/importerdesc.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -436,6 +437,8 @@ Result<TexturedMesh> readByAssimp(
 	const Result<Scale> scale = scaleOf(path, head.value().unit, given);
 	if (!scale) return scale.error();
 	Assimp::Importer importer;
+	// Otherwise the reader would turn the file's up axis to y, and a COLLADA file would lie across its own STL twin.
+	importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
 	importer.SetIOHandler(new ProgressFiles(importProgress, path, head.value().content));
 	const MeshReaderWarnings warnings;
 	const aiScene* scene = importer.ReadFile(path, 0);
