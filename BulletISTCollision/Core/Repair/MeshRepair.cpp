@@ -7,6 +7,7 @@
 #include "BulletISTCollision/Core/Repair/MeshHoles.h"
 #include "BulletISTCollision/Core/Repair/MeshProbes.h"
 #include "BulletISTCollision/Core/Repair/MeshShells.h"
+#include "BulletISTCollision/Core/Repair/MeshThinning.h"
 #include "BulletISTCollision/Core/Repair/MeshWeld.h"
 #include "BulletISTCollision/Core/Repair/MeshWrap.h"
 
@@ -33,6 +34,8 @@ constexpr int kWrapCells = 16;  // the same cases with a sixtieth of the work
 #else
 constexpr int kWrapCells = 128;
 #endif
+/// Distance by which triangles of the grid may be merged, in cells.
+constexpr double kThinning = 0.1;
 /// Number of points along the longest side of the grid that measures wrongly counted volume.
 constexpr int kProbes = 32;
 /// Share of the volume. If less is counted wrongly, the surface stays as it is.
@@ -338,12 +341,12 @@ Attempt closeUp(const Mesh& welded, Steps& steps)
 }
 
 /// Replaces the mesh by its wrap. Returns an error if that fails.
-std::optional<Error> wrap(Attempt& attempt, const Progress& progress)
+std::optional<Error> wrap(Attempt& attempt, const Progress& progress, int threads)
 {
-	Result<Mesh> wrapped = wrapSurface(attempt.mesh, kWrapCells, progress);
+	Result<Mesh> wrapped = wrapSurface(attempt.mesh, kWrapCells, progress, threads);
 	if (!wrapped) return wrapped.error();
 	const double cell = bounds(attempt.mesh).longestSide() / kWrapCells;
-	attempt.mesh = std::move(wrapped.value());
+	attempt.mesh = thinned(wrapped.value(), kThinning * cell, progress);
 	// The two sides of the surface may each be off by half a cell.
 	attempt.doubt += surfaceArea(attempt.mesh) * cell / 2;
 	attempt.actions.push_back("Rebuilt the surface as " +
@@ -392,14 +395,16 @@ Attempt prepareToWrap(const Mesh& welded)
 }
 
 /// Replaces an attempt whose caps are not reliable by the region inside the open surface according to its winding number.
-std::optional<Error> wrapOpen(Attempt& attempt, const Mesh& welded, Steps& steps)
+std::optional<Error> wrapOpen(Attempt& attempt, const Mesh& welded, Steps& steps, int threads)
 {
 	Attempt rebuilt = prepareToWrap(welded);
-	const Error open = notClosed(
-		rebuilt.mesh, rebuilt.state, "what is missing may be as much as the body; close it in a modelling program and export it again");
+	const Error open = notClosed(rebuilt.mesh, rebuilt.state,
+		"what is missing may be as much as the body; rebuild it on a grid (RepairMode::Wrap), which takes what it surrounds for the body, "
+		"or "
+		"close it in a modelling program and export it again");
 	rebuilt.actions.push_back("Left " + counted(attempt.holes, "hole", "holes") + " open: closing them would have taken the body apart.");
 	rebuilt.doubt += ambiguousVolume(rebuilt.mesh, kProbes);
-	if (auto error = wrap(rebuilt, steps.upTo(0.95))) return error;
+	if (auto error = wrap(rebuilt, steps.upTo(0.95), threads)) return error;
 	if (rebuilt.doubt > massProperties(rebuilt.mesh).volume) return open;
 	attempt = std::move(rebuilt);
 	return std::nullopt;
@@ -416,7 +421,7 @@ double miscountedShareOfThin(const Mesh& mesh, Steps& steps)
 
 /// Wraps a surface of which a share is counted wrongly. The wrap is dropped if it loses more than that, as with parts thinner than a
 /// cell.
-std::optional<Error> wrapCuts(Attempt& attempt, const std::string& found, double wrong, Steps& steps)
+std::optional<Error> wrapCuts(Attempt& attempt, const std::string& found, double wrong, Steps& steps, int threads)
 {
 	if (std::isinf(wrong))
 	{
@@ -426,7 +431,7 @@ std::optional<Error> wrapCuts(Attempt& attempt, const std::string& found, double
 	}
 	Attempt rebuilt = attempt;
 	rebuilt.actions.push_back("Found " + found + ".");
-	if (auto error = wrap(rebuilt, steps.upTo(0.95))) return error;
+	if (auto error = wrap(rebuilt, steps.upTo(0.95), threads)) return error;
 	const double inside = massProperties(attempt.mesh).volume / (1 + wrong);
 	if (massProperties(rebuilt.mesh).volume >= (1 - std::min(wrong, kMostLost)) * inside) attempt = std::move(rebuilt);
 	else
@@ -438,7 +443,7 @@ std::optional<Error> wrapCuts(Attempt& attempt, const std::string& found, double
 /// If the surface covers some places more than once, wraps it, unless that changes the volume by little or loses more than it corrects.
 std::optional<Error> settleCuts(Attempt& attempt, const Mesh& welded, int64_t& cuts, Steps& steps, int threads)
 {
-	if (attempt.contradicts) return wrapOpen(attempt, welded, steps);
+	if (attempt.contradicts) return wrapOpen(attempt, welded, steps, threads);
 	cuts = countCuts(attempt.mesh, kMostCuts, threads);
 	if ((cuts == 0 && !attempt.mayOverlap) || !steps.reach(0.7)) return std::nullopt;
 	double wrong = miscountedShare(attempt.mesh, kProbes);
@@ -455,8 +460,8 @@ std::optional<Error> settleCuts(Attempt& attempt, const Mesh& welded, int64_t& c
 			"Left " + found + ": less than " + number(100 * kHarmless) + " % of what the surface encloses is counted wrongly for it.");
 		return std::nullopt;
 	}
-	if (attempt.doubt > std::fabs(massProperties(attempt.mesh).volume)) return wrapOpen(attempt, welded, steps);
-	return wrapCuts(attempt, found, wrong, steps);
+	if (attempt.doubt > std::fabs(massProperties(attempt.mesh).volume)) return wrapOpen(attempt, welded, steps, threads);
+	return wrapCuts(attempt, found, wrong, steps, threads);
 }
 
 /// Position of any corner of a triangle; empty if it has no valid corner.
@@ -565,15 +570,17 @@ Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode, const Progress& p
 	if (!steps.goesOn()) return cancelled;
 	if (mode == RepairMode::Wrap)
 	{
-		if (const auto error = wrap(attempt, steps.upTo(0.95))) return *error;
+		if (const auto error = wrap(attempt, steps.upTo(0.95), threads)) return *error;
 		if (attempt.mesh.triangles.empty())
 			return enclosesNothing(
 				welded, " or open: no point of a grid of " + number(bounds(welded).longestSide() / kWrapCells) + " m lies inside it");
 	}
 	if (!attempt.state.watertight)
 		return notClosed(attempt.mesh, attempt.state,
-			mode == RepairMode::Off ? "use the automatic repair"
-									: "wrap it (repair mode \"wrap\"), or close it in a modelling program and export it again");
+			mode == RepairMode::Off
+				? "use the automatic repair"
+				: "rebuild it on a grid (RepairMode::Wrap), which takes what it surrounds for the body, or close it in a "
+				  "modelling program and export it again");
 	if (mode == RepairMode::Auto)
 		if (const auto error = settleCuts(attempt, welded, result.cuts, steps, threads)) return *error;
 	if (!steps.goesOn()) return cancelled;
