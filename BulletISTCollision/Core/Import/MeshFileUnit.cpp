@@ -97,15 +97,23 @@ std::optional<std::string> modelName(const ZipArchive& archive)
 
 Result<MeshFileHead> headOfArchive(const std::string& path, const ZipArchive& archive)
 {
-	if (const std::optional<std::string> name = modelName(archive))
+	const std::string ending = endingOf(path);
+	const std::optional<std::string> name = modelName(archive);
+	const std::optional<std::string> model = name ? archive.read(*name) : std::nullopt;
+	if (name && (!model || model->empty()))
+		return Error{"cannot read " + path + ": its model \"" + *name + "\" is missing or damaged; export the mesh again"};
+	// Assimp ends the process on a file whose checksum is wrong, and it opens more files than the model. Of AMF it reads none itself.
+	for (const std::string& other : archive.names())
+		if (ending != ".amf" && !other.empty() && other.back() != '/' && !archive.read(other))
+			return Error{"cannot read " + path + ": \"" + other +
+				"\" in it is damaged, or packed in a way that is not known; export the mesh again"};
+	if (model)
 	{
-		const std::optional<std::string> model = archive.read(*name);
-		if (!model || model->empty())
-			return Error{"cannot read " + path + ": its model \"" + *name + "\" is missing or damaged; export the mesh again"};
 		XmlTags tags(*model);
 		return MeshFileHead{namedUnit("3MF", kUnitsOf3mf, tags.next() ? tags.attribute("unit") : std::nullopt), {}};
 	}
-	const std::string ending = endingOf(path);
+	if (ending != ".zae" && ending != ".amf" && ending != ".pk3")
+		return Error{"cannot read " + path + ": it is an archive that names no model, so it is no whole 3MF file; export the mesh again"};
 	for (const std::string& name : archive.names())
 	{
 		const bool isCollada = ending == ".zae" && plain(name).ends_with(".dae");
@@ -158,6 +166,8 @@ Result<MeshFileHead> meshFileHead(const std::string& path, std::string_view cont
 		return MeshFileHead{{}, std::move(text).value()};
 	}
 	if (const std::optional<ZipArchive> archive = ZipArchive::open(content)) return headOfArchive(path, *archive);
+	if (ending == ".3mf" || content.starts_with("PK\3\4"))
+		return Error{"cannot read " + path + ": its archive is damaged; export the mesh again"};
 	if (!needsUtf8(content)) return MeshFileHead{unitOfXml(content), {}};
 	std::string text = utf8Text(content);
 	const MeshFileUnit unit = unitOfXml(text);

@@ -28,8 +28,8 @@ struct MeshFileHead
 	std::optional<std::string> content;
 };
 
-/// Reads the unit from a file, and corrects its content. Errors: a 3MF file without the model that it names (assimp would end the
-/// process); a damaged AMF archive; coordinates of an OBJ file that are no numbers.
+/// Reads the unit from a file, and corrects its content. Errors: a damaged archive, and a 3MF file without the model that it names (assimp
+/// would end the process); coordinates of an OBJ file that are no numbers.
 Result<MeshFileHead> readMeshFileHead(const std::string& path);
 /// Returns the unit of content that was read already. The path is used only for its extension.
 Result<MeshFileHead> meshFileHead(const std::string& path, std::string_view content);
