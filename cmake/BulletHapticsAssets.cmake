@@ -2,7 +2,7 @@
 # Assets as part of a build:
 #
 #   bullethaptics_add_assets(<target> MESHES <file>...
-#     [SPHERES n] [FILL f] [MIN_RADIUS m] [ERROR e] [UNIT m|cm|mm] [REPAIR auto|off|wrap] [SEED n]
+#     [SPHERES n] [FILL f] [MIN_RADIUS m] [ERROR e] [UNIT m|cm|mm|um|in|ft|metres] [UP axis] [REPAIR auto|off|wrap] [SEED n]
 #     [THREADS n] [OUTPUT_DIRECTORY <folder>] [DEPENDS <file>...])
 #
 # Adds <target>, part of ALL, which packs each mesh into <folder>/<name>.ist (default folder: the current binary directory). The
@@ -10,7 +10,7 @@
 # setting or the `ist` command changed. A mesh that repair changed is named in the build's output, with what was done. The target
 # property BULLETHAPTICS_ASSETS lists the files. Settings mean what they mean to `ist build`.
 function(bullethaptics_add_assets target)
-	set(settings SPHERES FILL MIN_RADIUS ERROR UNIT REPAIR SEED)
+	set(settings SPHERES FILL MIN_RADIUS ERROR UNIT UP REPAIR SEED)
 	cmake_parse_arguments(PARSE_ARGV 1 arg "" "${settings};THREADS;OUTPUT_DIRECTORY" "MESHES;DEPENDS")
 	if(arg_UNPARSED_ARGUMENTS OR arg_KEYWORDS_MISSING_VALUES OR NOT arg_MESHES)
 		message(FATAL_ERROR "bullethaptics_add_assets(${target}): cannot make sense of \"${ARGN}\"")

@@ -4,6 +4,8 @@
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Base/ThreadCount.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Mesh/LengthUnit.h"
+#include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
 #include "BulletISTCollision/Core/Tuning/ExpectedError.h"
 #include "BulletISTCollision/Tools/BuildProgress.h"
 #include "BulletISTCollision/Tools/ImportApart.h"
@@ -18,6 +20,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 #include <sys/resource.h>
 
@@ -30,13 +33,6 @@ constexpr int64_t kMostSpheres = 5'000'000;
 
 /// Share of the volume.
 constexpr double kNoticedChange = 1e-3;
-
-/// Metres per unit; empty: the unit that the file states.
-std::optional<double> unitLength(const std::string& unit)
-{
-	if (unit.empty()) return std::nullopt;
-	return unit == "mm" ? 0.001 : unit == "cm" ? 0.01 : 1;
-}
 
 /// Without `whole`, the bar shows the progress of each stage.
 Progress shown(ProgressBar& bar, const std::optional<BuildProgress>& whole, bool quiet)
@@ -78,17 +74,30 @@ BuildOptions buildOptions(const BuildArguments& a, double unit, const Progress& 
 	return options;
 }
 
+/// Shares of the volume that repair guessed: said from the first on, and refused from the second on.
+constexpr double kSaidDoubt = 0.05, kMostDoubt = 0.5;
+
 /// Warns with one line on stderr, in place of the report, if the packed body differs from what the file described. Users search the logs
 /// of build farms for such lines.
-void warnOfRepair(const std::string& path, const Mesh& mesh, const InnerSphereTree& tree)
+void warnOfRepair(const std::string& path, const Mesh& mesh, const InnerSphereTree& tree, double doubt)
 {
 	const double change = volumeChange(tree);
 	if (mesh.notTaken.empty() && tree.provenance.watertight && std::fabs(change) <= kNoticedChange) return;
 	char text[64] = "";
 	if (std::isfinite(change)) std::snprintf(text, sizeof text, ", volume %+.3g %%", 100 * change);
-	std::string line = "warning: " + path + ": repaired" + text + ":";
+	std::string line = "warning: " + path + ": repaired" + text;
+	if (doubt > kSaidDoubt) line += ", of which " + ist::number(std::ceil(100 * doubt)) + " % is in doubt";
+	line += ":";
 	for (const std::string& action : tree.provenance.repair) line += " " + action;
 	fail(line, kGood);
+}
+
+double shareInDoubt(const RepairedMesh& repaired) { return repaired.volumeDoubt / repaired.volumeAfter; }
+
+std::string doubtWords(const RepairedMesh& repaired)
+{
+	return "the volume of " + ist::number(repaired.volumeAfter) + " m^3 may be off by " + ist::number(repaired.volumeDoubt) + " m^3 (" +
+		ist::number(std::ceil(100 * shareInDoubt(repaired))) + " %), because parts of the surface are missing or were rebuilt";
 }
 
 double peakMemoryBytes()
@@ -113,34 +122,50 @@ int runBuild(const BuildArguments& a)
 	const auto end = [&](bool good) {
 		if (!good || !whole) bar.finish();
 	};
-	const Result<Mesh> mesh = importApart(a.mesh, unitLength(a.unit), progress);
+	Result<Mesh> mesh = importApart(a.mesh, lengthUnit(a.unit), progress);
 	end(bool(mesh) && !interrupted());
 	if (!mesh && mesh.error().cancelled) return fail("interrupted; nothing was written", kInterrupted);
 	if (!mesh) return fail(mesh.error().message);
 	if (interrupted()) return fail("interrupted; nothing was written", kInterrupted);
+	mesh = turned(std::move(mesh).value(), a.up);
 	const double importSeconds = seconds();
 	whole = wholeBuild(a, double(mesh.value().triangles.size()));
 	BuildTimes times;
 	const BuildOptions options = buildOptions(a, mesh.value().unit, progress);
-	const Result<InnerSphereTree> tree = a.error > 0 ? buildTreeToError(mesh.value(), a.error, options, &times)
-													 : buildTree(mesh.value(), options, &times);
+	const auto repairStart = seconds();
+	const Result<RepairedMesh> repaired = repairToBuild(mesh.value(), options);
+	const double repairSeconds = seconds() - repairStart;
+	if (repaired && shareInDoubt(repaired.value()) > kMostDoubt && !a.acceptDoubt)
+	{
+		end(false);
+		return fail(a.mesh + ": " + doubtWords(repaired.value()) + "; close the mesh in a modelling program, or build it all the same " +
+			"(--accept-doubt)");
+	}
+	const Result<InnerSphereTree> tree = !repaired ? Result<InnerSphereTree>(repaired.error())
+		: a.error > 0                              ? buildRepairedToError(mesh.value(), repaired.value(), a.error, options, &times)
+												   : buildRepaired(mesh.value(), repaired.value(), options, &times);
 	end(bool(tree));
 	if (!tree && tree.error().cancelled) return fail("interrupted; nothing was written", kInterrupted);
 	if (!tree) return fail(a.mesh + ": " + tree.error().message);
 	const Result<size_t> bytes = saveAsset(tree.value(), a.output, progress);
 	bar.finish();
 	if (!bytes) return fail(bytes.error().message, bytes.error().cancelled ? kInterrupted : kBadInput);
+	const double doubt = shareInDoubt(repaired.value());
+	if (doubt > kSaidDoubt && !a.quiet) fail("warning: " + a.mesh + ": " + doubtWords(repaired.value()), kGood);
+	askAboutSize(a.mesh, tree.value().box.longestSide());
 	if (a.quiet)
 	{
-		warnOfRepair(a.mesh, mesh.value(), tree.value());
+		warnOfRepair(a.mesh, mesh.value(), tree.value(), doubt);
 		return kGood;
 	}
 
 	Report report = newReport();
 	describeTree(report, tree.value(), bytes.value());
 	report["unit"] = unitName(tree.value().provenance.unit);
+	report["volume_doubt"] = doubt;
+	report["up"] = a.up.empty() ? Report() : Report(a.up);
 	report["seconds"] = seconds();
-	report["seconds_setup"] = importSeconds + times.setup;
+	report["seconds_setup"] = importSeconds + repairSeconds + times.setup;
 	report["seconds_packing"] = times.packing;
 	report["seconds_leaves"] = times.leaves;
 	report["seconds_surface"] = times.surface;

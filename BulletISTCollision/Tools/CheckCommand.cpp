@@ -19,14 +19,27 @@ RepairMode repairMode(const std::string& name)
 	return name == "off" ? RepairMode::Off : name == "wrap" ? RepairMode::Wrap : RepairMode::Auto;
 }
 
+/// Turns the mesh as `--up` turned it when the tree was built, which the asset does not record. False if no turn gives that mesh.
+bool turnAsRecorded(Mesh& mesh, uint64_t hash)
+{
+	for (int from = 0; from < 6; ++from)
+		for (int to = 0; to < 6; ++to)
+			if (Mesh turned = turnedUp(mesh, {from / 2, from % 2 ? -1 : 1}, {to / 2, to % 2 ? -1 : 1}); meshHash(turned) == hash)
+			{
+				mesh = std::move(turned);
+				return true;
+			}
+	return false;
+}
+
 /// The mesh in the unit that the asset records. Releases before 0.2 recorded metres if they were built without a unit, even for files
 /// that state another one. COLLADA files were imported in the stated unit all the same.
 Result<Mesh> recordedMesh(const InnerSphereTree& tree, const std::string& path)
 {
 	Result<Mesh> mesh = importApart(path, tree.provenance.unit);
-	if (!mesh || meshHash(mesh.value()) == tree.provenance.meshHash) return mesh;
+	if (!mesh || turnAsRecorded(mesh.value(), tree.provenance.meshHash)) return mesh;
 	Result<Mesh> asStated = importApart(path, std::nullopt);
-	return asStated && meshHash(asStated.value()) == tree.provenance.meshHash ? asStated : mesh;
+	return asStated && turnAsRecorded(asStated.value(), tree.provenance.meshHash) ? asStated : mesh;
 }
 
 /// The surface that was packed: the mesh after the recorded repair, in the tree frame.
@@ -48,7 +61,7 @@ int runCheck(const CheckArguments& a)
 {
 	Report report = newReport();
 	std::vector<std::string> problems;
-	const Result<InnerSphereTree> tree = loadAsset(a.file);
+	const Result<InnerSphereTree> tree = loadTree(a.file);
 	report["ok"] = false;
 	for (const char* name : {"spheres", "overlapping_pairs", "max_overlap", "protruding", "max_protrusion", "surface_elements",
 			 "surface_area_error", "surface_open_area"})

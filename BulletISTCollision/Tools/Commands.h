@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletISTCollision/Core/Mesh/MeshAxes.h"
 #include "BulletISTCollision/Core/Tuning/PairTuning.h"
 
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace ist::tools
 {
@@ -27,10 +29,11 @@ struct BuildArguments
 	double minRadius = 0;  ///< 0: not given
 	double error = 0;      ///< 0: not given
 	std::string unit;      ///< empty: not given
+	std::string up;        ///< empty: not given
 	std::string repair = "auto";
 	int threads = 0;
 	uint64_t seed = 1;
-	bool withoutSurface = false;
+	bool withoutSurface = false, acceptDoubt = false;
 	bool json = false, quiet = false;
 };
 
@@ -88,6 +91,22 @@ int runTune(const TuneArguments& arguments);
 
 /// Prints the message on stderr and returns the code.
 int fail(const std::string& message, int code = kBadInput);
+
+/// The tree of an asset. The refusal of a file that may be a mesh says how to make a tree of it.
+Result<InnerSphereTree> loadTree(const std::string& path);
+
+/// The axis of a file that points up, and the axis that it becomes: y if the text names one axis only.
+struct UpAxes
+{
+	SignedAxis from, to;
+};
+/// Reads "z" or "z,-y". Empty optional for other texts.
+std::optional<UpAxes> upAxes(std::string_view text);
+/// Turns a mesh as `--up` says; an empty text turns nothing.
+Mesh turned(Mesh mesh, const std::string& up);
+
+/// Prints one line on stderr if a body is so large or small that its unit may be wrong.
+void askAboutSize(const std::string& path, double longestSide);
 
 /// Prints one line on stderr for each kind of content of the file that was not imported. Used by commands whose report does not list it.
 void warnOfNotTaken(const std::string& path, const Mesh& mesh);

@@ -7,12 +7,15 @@
 #include "BulletISTCollision/Tools/OutputFile.h"
 #include "BulletISTCollision/Tools/Report.h"
 
+#include <cstdio>
 #include <sstream>
 
 namespace ist::tools
 {
 namespace
 {
+constexpr const char* kStandardOutput = "-";
+
 void writeSpheres(std::ostream& out, const InnerSphereTree& tree)
 {
 	out << "x,y,z,r\n";
@@ -42,17 +45,22 @@ int writeFile(const std::string& path, const InnerSphereTree& tree, void (*write
 {
 	std::ostringstream text;
 	write(text, tree);
-	return writeText(path, text.str());
+	if (path != kStandardOutput) return writeText(path, text.str());
+	std::fputs(text.str().c_str(), stdout);
+	return kGood;
 }
 }  // namespace
 
 int runExport(const ExportArguments& a)
 {
 	for (const std::string& output : {a.spheres, a.leaves})
-		if (const int code = output.empty() ? kGood : checkOutput(output, {a.file}); code != kGood) return code;
+		if (const int code = output.empty() || output == kStandardOutput ? kGood : checkOutput(output, {a.file}); code != kGood)
+			return code;
+	if (a.spheres == kStandardOutput && a.leaves == kStandardOutput)
+		return fail("standard output can take spheres or leaves, not both; name a file for one of them");
 	if (!a.spheres.empty() && !a.leaves.empty() && isSameFile(a.spheres, a.leaves))
 		return fail("\"" + a.leaves + "\" is to hold spheres and leaves; name two files");
-	const Result<InnerSphereTree> tree = loadAsset(a.file);
+	const Result<InnerSphereTree> tree = loadTree(a.file);
 	if (!tree) return fail(tree.error().message);
 	if (!a.spheres.empty())
 		if (const int code = writeFile(a.spheres, tree.value(), writeSpheres); code != kGood) return code;

@@ -27,10 +27,11 @@ uint32_t storedVersion(const std::string& path)
 int runInfo(const InfoArguments& a)
 {
 	const auto start = std::chrono::steady_clock::now();
-	const Result<InnerSphereTree> loaded = loadAsset(a.file);
+	const Result<InnerSphereTree> loaded = loadTree(a.file);
 	const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 	if (!loaded) return fail(loaded.error().message);
 	const InnerSphereTree& tree = loaded.value();
+	askAboutSize(a.file, tree.box.longestSide());
 	std::error_code ignored;
 	Report report = newReport();
 	describeTree(report, tree, std::filesystem::file_size(a.file, ignored));

@@ -10,6 +10,7 @@ namespace ist::tools
 {
 int checkOutput(const std::string& output, std::initializer_list<std::string> inputs)
 {
+	if (output == "-") return fail("\"-\" would be standard output, which is not written to here; name a file (./- for one of that name)");
 	std::error_code missing;
 	for (const std::string& input : inputs)
 		if (std::filesystem::is_regular_file(input, missing) && std::filesystem::equivalent(input, output, missing))

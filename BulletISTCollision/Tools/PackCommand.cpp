@@ -42,7 +42,7 @@ void describeLoss(Report& report, const InnerSphereTree& tree, const InnerSphere
 int runPack(const PackArguments& a)
 {
 	if (const int code = checkOutput(a.output, {a.input}); code != kGood) return code;
-	const Result<InnerSphereTree> tree = loadAsset(a.input);
+	const Result<InnerSphereTree> tree = loadTree(a.input);
 	if (!tree) return fail(tree.error().message);
 	const Result<std::vector<std::byte>> bytes = encodeArchive(tree.value());
 	if (!bytes) return fail(a.input + ": " + bytes.error().message);
@@ -63,7 +63,7 @@ int runPack(const PackArguments& a)
 int runUnpack(const PackArguments& a)
 {
 	if (const int code = checkOutput(a.output, {a.input}); code != kGood) return code;
-	const Result<InnerSphereTree> tree = loadAsset(a.input);
+	const Result<InnerSphereTree> tree = loadTree(a.input);
 	if (!tree) return fail(tree.error().message);
 	const Result<size_t> written = saveAsset(tree.value(), a.output);
 	if (!written) return fail(written.error().message);

@@ -345,9 +345,9 @@ int runQuery(const QueryArguments& a)
 		if (const int code = checkOutput(a.pairsOut, {a.fileA, a.fileB, a.poses}); code != kGood) return code;
 	if (!a.surfaceOut.empty())
 		if (const int code = checkOutput(a.surfaceOut, {a.fileA, a.fileB, a.poses}); code != kGood) return code;
-	Result<InnerSphereTree> A = loadAsset(a.fileA);
+	Result<InnerSphereTree> A = loadTree(a.fileA);
 	if (!A) return fail(A.error().message);
-	Result<InnerSphereTree> B = a.fileA == a.fileB ? A : loadAsset(a.fileB);
+	Result<InnerSphereTree> B = a.fileA == a.fileB ? A : loadTree(a.fileB);
 	if (!B) return fail(B.error().message);
 	Result<std::vector<Row>> rows = readRows(a);
 	if (!rows) return fail(rows.error().message);

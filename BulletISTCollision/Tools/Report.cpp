@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Tools/Report.h"
 
+#include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Mesh/LengthUnit.h"
+#include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
+#include "BulletISTCollision/Json/ReadableText.h"
 #include "BulletISTCollision/Tools/Commands.h"
 
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <limits>
 #include <string_view>
 #include <utility>
@@ -15,8 +20,8 @@ std::string withFlags(std::string sentence)
 {
 	static constexpr std::pair<std::string_view, std::string_view> kFlags[] = {
 		{"call buildTree() with BuildOptions::maxSpheres instead", "give --spheres without --error"},
-		{"pass its unit to importMesh()", "give its unit (--unit)"}, {"BuildOptions::maxSpheres", "--spheres"},
-		{"BuildOptions::targetFill", "--fill"}, {"BuildOptions::minRadius", "--min-radius"}};
+		{"pass its unit to importMesh()", "give its unit (--unit)"}, {"RepairMode::Wrap", "--repair wrap"},
+		{"BuildOptions::maxSpheres", "--spheres"}, {"BuildOptions::targetFill", "--fill"}, {"BuildOptions::minRadius", "--min-radius"}};
 	for (const auto& [setting, flag] : kFlags)
 		for (size_t at = 0; (at = sentence.find(setting, at)) != sentence.npos; at += flag.size())
 			sentence.replace(at, setting.size(), flag);
@@ -34,20 +39,36 @@ Report toJson(const Vec3& v) { return Report::list({v.x, v.y, v.z}); }
 
 Report unitName(double metres)
 {
-	return metres == 1 ? Report("m") : metres == 0.01 ? Report("cm") : metres == 0.001 ? Report("mm") : Report(metres);
+	const std::string name = lengthUnitName(metres);
+	return name.empty() ? Report(metres) : Report(name);
 }
 
-std::string format(const Report& report, bool json)
+namespace
 {
-	if (json) return report.dump() + "\n";
-	std::string text;
-	for (const auto& [name, value] : report.fields())
-	{
-		if (name == "schema") continue;
-		text += name + ": " + (value.isText() ? value.text() : value.dump()) + "\n";
-	}
-	return text;
+struct FieldUnit
+{
+	std::string_view field, unit;
+};
+// Fields of all commands; a name has the same unit in each.
+constexpr FieldUnit kUnits[] = {{"volume", "m^3"}, {"mesh_volume", "m^3"}, {"volume_sigma", "m^3"}, {"volume_lower", "m^3"},
+	{"volume_change", "%"}, {"volume_doubt", "%"}, {"leaf_volume_change", "%"}, {"area", "m^2"}, {"area_vector", "m^2"},
+	{"longest_side", "m"}, {"size", "m"}, {"mean_gap", "m"}, {"max_gap", "m"}, {"min_radius", "m"}, {"surface_error", "m"},
+	{"surface_max_error", "m"}, {"sagitta", "m"}, {"center_of_mass", "m"}, {"inertia", "m^5, of density 1"}, {"centroid", "m"},
+	{"distance", "m"}, {"distance_lower", "m"}, {"nearest_a", "m"}, {"nearest_b", "m"}, {"max_overlap", "m"}, {"max_protrusion", "m"},
+	{"max_center_shift", "m"}, {"max_radius_loss", "m"}, {"max_radius_loss_share", "%"}, {"fill", "%"}, {"fill_loss", "%"},
+	{"uncovered_area", "%"}, {"surface_area_error", "%"}, {"surface_open_area", "%"}, {"energy", "J"}, {"force", "N"}, {"force_sigma", "N"},
+	{"torque", "N m"}, {"stiffness", "N/m, N; N, N m"}, {"seconds", "s"}, {"bytes", "B"}, {"surface_bytes", "B"},
+	{"peak_memory_bytes", "B"}};
+
+std::string unitOf(std::string_view field)
+{
+	for (const FieldUnit& known : kUnits)
+		if (known.field == field) return std::string(known.unit);
+	return field.starts_with("seconds_") ? "s" : unitAtEnd(field);
 }
+}  // namespace
+
+std::string format(const Report& report, bool json) { return json ? report.dump() + "\n" : readableText(report, unitOf); }
 
 double volumeChange(const InnerSphereTree& tree)
 {
@@ -84,6 +105,7 @@ void describeTree(Report& report, const InnerSphereTree& tree, size_t bytes)
 	report["mesh_volume"] = p.meshVolume;
 	report["area"] = tree.area;
 	report["longest_side"] = tree.box.longestSide();
+	report["size"] = toJson(tree.box.size());
 	report["watertight"] = p.watertight;
 	report["repair"] = Report::list();
 	for (const std::string& sentence : p.repair) report["repair"].append(withFlags(sentence));
@@ -102,6 +124,38 @@ int fail(const std::string& message, int code)
 {
 	std::fprintf(stderr, "ist: %s\n", withFlags(message).c_str());
 	return code;
+}
+
+Result<InnerSphereTree> loadTree(const std::string& path)
+{
+	Result<InnerSphereTree> tree = loadAsset(path);
+	std::error_code missing;
+	const std::string ending = std::filesystem::path(path).extension().string();
+	if (tree || ending == ".ist" || ending == ".ista" || !std::filesystem::is_regular_file(path, missing)) return tree;
+	return Error{tree.error().message + "; if it is a mesh, make a tree of it: ist build " + path + " -o " +
+		std::filesystem::path(path).stem().string() + ".ist"};
+}
+
+std::optional<UpAxes> upAxes(std::string_view text)
+{
+	const size_t comma = text.find(',');
+	const std::optional<SignedAxis> from = signedAxis(text.substr(0, comma)),
+									to = comma == text.npos ? SignedAxis{} : signedAxis(text.substr(comma + 1));
+	return from && to ? std::optional(UpAxes{*from, *to}) : std::nullopt;
+}
+
+Mesh turned(Mesh mesh, const std::string& up)
+{
+	const std::optional<UpAxes> axes = upAxes(up);
+	return axes ? turnedUp(std::move(mesh), axes->from, axes->to) : mesh;
+}
+
+void askAboutSize(const std::string& path, double longestSide)
+{
+	// Larger or smaller things are rare; most are files in millimetres that were read as metres, or the reverse.
+	constexpr double kLarge = 100, kSmall = 1e-4;
+	if (longestSide <= kLarge && longestSide >= kSmall) return;
+	fail("warning: " + path + ": it is " + ist::number(longestSide) + " m long; is that right? If not, give its unit (--unit)", kGood);
 }
 
 void warnOfNotTaken(const std::string& path, const Mesh& mesh)

@@ -14,9 +14,9 @@ using Report = JsonValue;
 /// A report that begins with "schema":1.
 Report newReport();
 Report toJson(const Vec3& v);
-/// Name of a unit: "m", "cm", "mm", or the number of metres.
+/// Name of a unit: "m", "cm", "mm", "um", "in", "ft", or the number of metres.
 Report unitName(double metres);
-/// Formats a report as one JSON object on a line, or as "name: value" lines.
+/// Formats a report as one JSON object on a line, or as a table for people, with units.
 std::string format(const Report& report, bool json);
 /// The sentence of the library with the command's flags in place of the C++ settings that it names.
 std::string withFlags(std::string sentence);

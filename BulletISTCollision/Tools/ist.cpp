@@ -2,7 +2,9 @@
 #include "BulletISTCollision/Tools/Commands.h"
 
 #include "BulletISTCollision/Core/Base/Version.h"
+#include "BulletISTCollision/Core/Mesh/LengthUnit.h"
 #include "BulletISTCollision/Tools/IntegerArgument.h"
+#include "BulletISTCollision/Tools/UnknownCommand.h"
 
 #include <CLI/CLI.hpp>
 
@@ -11,6 +13,8 @@
 #include <cstdio>
 #include <exception>
 #include <functional>
+#include <string>
+#include <vector>
 
 namespace ist::tools
 {
@@ -36,6 +40,8 @@ public:
 
 	int run(int argc, char** argv)
 	{
+		if (argc > 1)
+			if (const std::string sentence = unknownCommand(argv[1], commands()); !sentence.empty()) return fail(sentence, kUsage);
 		try
 		{
 			m_app.parse(argc, argv);
@@ -52,6 +58,13 @@ public:
 	}
 
 private:
+	std::vector<std::string> commands() const
+	{
+		std::vector<std::string> names;
+		for (const CLI::App* sub : m_app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(sub->get_name());
+		return names;
+	}
+
 	CLI::App* add(const char* name, const char* description, std::function<int()> command)
 	{
 		CLI::App* sub = m_app.add_subcommand(name, description);
@@ -71,11 +84,15 @@ private:
 		sub->add_option("--fill", a.fill, "stop at this share of the volume, 0..1")->check(fraction());
 		sub->add_option("--min-radius", a.minRadius, "smallest radius [m]")->check(positive());
 		sub->add_option("--error", a.error, "force error at 1 % overlap by the tree's own error bar, 0..1")->check(fraction());
-		sub->add_option("--unit", a.unit, "length unit of the mesh file, in place of the one that it states")
-			->check(CLI::IsMember({"m", "cm", "mm"}));
+		sub->add_option(
+			   "--unit", a.unit, "length unit of the mesh file, in place of the one that it states: m, cm, mm, um, in, ft, or metres")
+			->check(unit());
+		sub->add_option("--up", a.up, "the file's axis that points up, which becomes y: z or -x, or z,y with another axis to become")
+			->check(axes());
 		sub->add_option("--repair", a.repair, "what to do about broken meshes")
 			->check(CLI::IsMember({"auto", "off", "wrap"}))
 			->capture_default_str();
+		sub->add_flag("--accept-doubt", a.acceptDoubt, "also build what repair may have guessed by more than half of the volume");
 		sub->add_option("--threads", a.threads, "threads (all)")->transform(integerArgument(1, 4096));
 		sub->add_flag("--no-surface", a.withoutSurface, "without the surface: shallow queries are faster, and wrong below the gaps");
 		sub->add_option("--seed", a.seed, "seed")->transform(integerArgument<uint64_t>(0))->capture_default_str();
@@ -104,8 +121,8 @@ private:
 		CLI::App* sub = add("export", "Write spheres or leaves as CSV", [this] { return runExport(m_export); });
 		sub->add_option("file", m_export.file, "asset")->required();
 		CLI::Option_group* what = sub->add_option_group("what");
-		what->add_option("--spheres", m_export.spheres, "CSV of the packed spheres");
-		what->add_option("--leaves", m_export.leaves, "CSV of the leaves");
+		what->add_option("--spheres", m_export.spheres, "CSV of the packed spheres; - for standard output");
+		what->add_option("--leaves", m_export.leaves, "CSV of the leaves; - for standard output");
 		what->require_option(1, 2);
 	}
 
@@ -189,6 +206,20 @@ private:
 																						  : std::string("must ") + wanted + ": " + text;
 			},
 			range);
+	}
+	static CLI::Validator unit()
+	{
+		return CLI::Validator(
+			[](std::string& text) {
+				return lengthUnit(text) ? std::string() : "must be m, cm, mm, um, in, ft, or metres as a number above 0: " + text;
+			},
+			"UNIT");
+	}
+	static CLI::Validator axes()
+	{
+		return CLI::Validator(
+			[](std::string& text) { return upAxes(text) ? std::string() : "must be an axis like z or -x, or two like z,y: " + text; },
+			"AXIS");
 	}
 	static CLI::Validator fraction()
 	{

@@ -50,7 +50,7 @@ int runSelfTest(const RunArguments& arguments);
 
 /// A report that begins with "schema":1.
 Report newReport();
-/// Prints to stdout, as one JSON object on a line or as "name: value" lines for people.
+/// Prints to stdout, as one JSON object on a line or as a table for people, with units.
 void print(const Report& report, bool json);
 /// Prints the message to stderr and returns the code.
 int fail(const std::string& message, int code = kBadInput);

@@ -2,9 +2,33 @@
 #include "DeviceBridge/Tools/Commands.h"
 
 #include <cstdio>
+#include <string_view>
+
+#include "BulletISTCollision/Json/ReadableText.h"
 
 namespace devicebridge::tools
 {
+namespace
+{
+struct FieldUnit
+{
+	std::string_view field, unit;
+};
+// Fields of all commands; a name has the same unit in each.
+constexpr FieldUnit kUnits[] = {{"peak_force", "N"}, {"continuous_force", "N"}, {"peak_torque", "N m"}, {"continuous_torque", "N m"},
+	{"max_stiffness", "N/m"}, {"max_angular_stiffness", "N m/rad"}, {"max_damping", "N s/m"}, {"max_angular_damping", "N m s/rad"},
+	{"damping", "N s/m"}, {"angular_damping", "N m s/rad"}, {"device_damping", "N s/m"}, {"resolution", "m"}, {"angular_resolution", "rad"},
+	{"workspace_radius", "m"}, {"nominal_rate", "Hz"}, {"mass", "kg"}, {"delay", "s"}, {"stable", "N/m"}, {"predicted", "N/m"},
+	{"passive", "N/m"}, {"passive_measured", "N/m"}, {"energy", "J"}, {"bytes", "B"}};
+
+std::string unitOf(std::string_view field)
+{
+	for (const FieldUnit& known : kUnits)
+		if (known.field == field) return std::string(known.unit);
+	return ist::unitAtEnd(field);
+}
+}  // namespace
+
 Report newReport()
 {
 	Report report;
@@ -19,14 +43,7 @@ void print(const Report& report, bool json)
 		std::printf("%s\n", report.dump().c_str());
 		return;
 	}
-	for (const auto& [name, value] : report.fields())
-	{
-		if (name == "schema") continue;
-		const bool rows = value[0].isObject();
-		if (!rows) std::printf("%s: %s\n", name.c_str(), (value.isText() ? value.text() : value.dump()).c_str());
-		for (std::size_t i = 0; rows && i < value.size(); ++i)
-			std::printf("%s %s\n", i ? " " : (name + ":\n ").c_str(), value[i].dump().c_str());
-	}
+	std::fputs(ist::readableText(report, unitOf).c_str(), stdout);
 }
 
 int fail(const std::string& message, int code)

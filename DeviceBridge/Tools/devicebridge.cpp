@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Base/Version.h"
 #include "BulletISTCollision/Tools/IntegerArgument.h"
+#include "BulletISTCollision/Tools/UnknownCommand.h"
 
 #include <CLI/CLI.hpp>
 
@@ -51,6 +52,9 @@ public:
 
 	int run(int argc, char** argv)
 	{
+		if (argc > 1)
+			if (const std::string sentence = ist::tools::unknownCommand(argv[1], commands()); !sentence.empty())
+				return fail(sentence, kUsage);
 		try
 		{
 			m_app.parse(argc, argv);
@@ -65,6 +69,13 @@ public:
 	}
 
 private:
+	std::vector<std::string> commands() const
+	{
+		std::vector<std::string> names;
+		for (const CLI::App* sub : m_app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(sub->get_name());
+		return names;
+	}
+
 	CLI::App* add(const char* name, const char* description, std::function<int()> command)
 	{
 		CLI::App* sub = m_app.add_subcommand(name, description);

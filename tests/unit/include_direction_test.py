@@ -69,7 +69,8 @@ CHAIN = [
     ("DeviceBridge/Coupling", [CORE] + ["DeviceBridge/" + f for f in ("Timing", "Device", "Safety", "Drivers", "Loop")]),
     ("DeviceBridge/Bullet", ["BulletISTCollision", "BulletHapticForce"]
      + ["DeviceBridge/" + f for f in ("Timing", "Device", "Safety", "Drivers", "Hand", "Loop", "Coupling")]),
-    ("DeviceBridge/Tools", [CORE, JSON, "BulletISTCollision/Tools/IntegerArgument.h", "DeviceBridge"]),
+    ("DeviceBridge/Tools", [CORE, JSON, "BulletISTCollision/Tools/IntegerArgument.h", "BulletISTCollision/Tools/UnknownCommand.h",
+                            "DeviceBridge"]),
     # What shows and judges the chain.
     ("demos/hello", ALL),
     ("demos/scenes/Pages", ALL),

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Import/MeshFileUnit.h"
 
+#include "BulletISTCollision/Core/Import/MeshText.h"
+#include "BulletISTCollision/Core/Import/ObjForAssimp.h"
+#include "BulletISTCollision/Core/Import/PlyForAssimp.h"
 #include "BulletISTCollision/Core/Import/XmlTags.h"
 #include "BulletISTCollision/Core/Import/ZipArchive.h"
 
@@ -41,6 +44,8 @@ std::string plain(std::string text)
 	std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
 	return text;
 }
+
+std::string endingOf(const std::string& path) { return plain(std::filesystem::path(path).extension().string()); }
 
 MeshFileUnit namedUnit(const char* format, std::span<const NamedUnit> units, const std::optional<std::string>& stated)
 {
@@ -92,15 +97,23 @@ std::optional<std::string> modelName(const ZipArchive& archive)
 
 Result<MeshFileHead> headOfArchive(const std::string& path, const ZipArchive& archive)
 {
-	if (const std::optional<std::string> name = modelName(archive))
+	const std::string ending = endingOf(path);
+	const std::optional<std::string> name = modelName(archive);
+	const std::optional<std::string> model = name ? archive.read(*name) : std::nullopt;
+	if (name && (!model || model->empty()))
+		return Error{"cannot read " + path + ": its model \"" + *name + "\" is missing or damaged; export the mesh again"};
+	// Assimp ends the process on a file whose checksum is wrong, and it opens more files than the model. Of AMF it reads none itself.
+	for (const std::string& other : archive.names())
+		if (ending != ".amf" && !other.empty() && other.back() != '/' && !archive.read(other))
+			return Error{"cannot read " + path + ": \"" + other +
+				"\" in it is damaged, or packed in a way that is not known; export the mesh again"};
+	if (model)
 	{
-		const std::optional<std::string> model = archive.read(*name);
-		if (!model || model->empty())
-			return Error{"cannot read " + path + ": its model \"" + *name + "\" is missing or damaged; export the mesh again"};
 		XmlTags tags(*model);
 		return MeshFileHead{namedUnit("3MF", kUnitsOf3mf, tags.next() ? tags.attribute("unit") : std::nullopt), {}};
 	}
-	const std::string ending = plain(std::filesystem::path(path).extension().string());
+	if (ending != ".zae" && ending != ".amf" && ending != ".pk3")
+		return Error{"cannot read " + path + ": it is an archive that names no model, so it is no whole 3MF file; export the mesh again"};
 	for (const std::string& name : archive.names())
 	{
 		const bool isCollada = ending == ".zae" && plain(name).ends_with(".dae");
@@ -124,9 +137,10 @@ std::optional<std::string> contentOf(const std::string& path)
 	file.read(head, sizeof head);
 	const std::string_view start(head, static_cast<size_t>(file.gcount()));
 	const size_t first = start.find_first_not_of(" \t\r\n");
-	const bool isXml = first != start.npos && (start[first] == '<' || start.starts_with("\xef\xbb\xbf"));
-	const std::string ending = plain(std::filesystem::path(path).extension().string());
-	if (!isXml && !start.starts_with("PK") && ending != ".3mf" && ending != ".zae") return std::nullopt;
+	const bool isXml = first != start.npos && (start[first] == '<' || needsUtf8(start));
+	const std::string ending = endingOf(path);
+	if (!isXml && !start.starts_with("PK") && ending != ".3mf" && ending != ".zae" && ending != ".obj" && ending != ".ply")
+		return std::nullopt;
 	file.clear();
 	file.seekg(0);
 	std::string content(std::filesystem::file_size(path, failure), '\0');
@@ -144,7 +158,19 @@ Result<MeshFileHead> readMeshFileHead(const std::string& path)
 
 Result<MeshFileHead> meshFileHead(const std::string& path, std::string_view content)
 {
+	const std::string ending = endingOf(path);
+	if (ending == ".obj" || ending == ".ply")
+	{
+		Result<std::optional<std::string>> text = ending == ".obj" ? objForAssimp(content) : plyForAssimp(content);
+		if (!text) return Error{"cannot read " + path + ": " + text.error().message};
+		return MeshFileHead{{}, std::move(text).value()};
+	}
 	if (const std::optional<ZipArchive> archive = ZipArchive::open(content)) return headOfArchive(path, *archive);
-	return MeshFileHead{unitOfXml(content), {}};
+	if (ending == ".3mf" || content.starts_with("PK\3\4"))
+		return Error{"cannot read " + path + ": its archive is damaged; export the mesh again"};
+	if (!needsUtf8(content)) return MeshFileHead{unitOfXml(content), {}};
+	std::string text = utf8Text(content);
+	const MeshFileUnit unit = unitOfXml(text);
+	return MeshFileHead{unit, std::move(text)};
 }
 }  // namespace ist

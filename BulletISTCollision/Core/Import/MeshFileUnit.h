@@ -23,11 +23,13 @@ struct MeshFileUnit
 struct MeshFileHead
 {
 	MeshFileUnit unit;
-	/// The content of a zipped AMF file, which assimp's reader does not unpack.
-	std::optional<std::string> unpacked;
+	/// Content that the reader must get in place of the file's own: a zipped AMF file, unpacked; XML in UTF-8; the text of an OBJ or PLY
+	/// file as assimp's reader expects it. Empty optional if the file's own content is as it should be.
+	std::optional<std::string> content;
 };
 
-/// Reads the unit from a file. Errors: a 3MF file without the model that it names (assimp would end the process); a damaged AMF archive.
+/// Reads the unit from a file, and corrects its content. Errors: a damaged archive, and a 3MF file without the model that it names (assimp
+/// would end the process); coordinates of an OBJ file that are no numbers.
 Result<MeshFileHead> readMeshFileHead(const std::string& path);
 /// Returns the unit of content that was read already. The path is used only for its extension.
 Result<MeshFileHead> meshFileHead(const std::string& path, std::string_view content);

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Import/MeshFileUnit.h"
 #include "BulletISTCollision/Core/Import/MeshReaderWarnings.h"
+#include "BulletISTCollision/Core/Import/StlFile.h"
 #include "BulletISTCollision/Core/Import/ThreadLocale.h"
 #include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
 
@@ -10,6 +11,7 @@
 #include <assimp/IOStream.hpp>
 #include <assimp/Importer.hpp>
 #include <assimp/MemoryIOWrapper.h>
+#include <assimp/config.h>
 #include <assimp/importerdesc.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -17,9 +19,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <exception>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -108,17 +112,17 @@ private:
 class ProgressFiles : public Assimp::DefaultIOSystem
 {
 public:
-	/// `unpacked`, if present, replaces the content of the file at `path`; it must outlive this object.
-	ProgressFiles(ImportProgress& importProgress, const std::string& path, const std::optional<std::string>& unpacked)
+	/// `content`, if present, replaces that of the file at `path`; it must outlive this object.
+	ProgressFiles(ImportProgress& importProgress, const std::string& path, const std::optional<std::string>& content)
 		: m_progress(importProgress),
 		  m_path(path),
-		  m_unpacked(unpacked)
+		  m_content(content)
 	{}
 	Assimp::IOStream* Open(const char* file, const char* mode) override
 	{
-		const bool isUnpacked = m_unpacked && m_path == file;
-		Assimp::IOStream* stream = isUnpacked
-			? new Assimp::MemoryIOStream(reinterpret_cast<const uint8_t*>(m_unpacked->data()), m_unpacked->size())
+		const bool isReplaced = m_content && m_path == file;
+		Assimp::IOStream* stream = isReplaced
+			? new Assimp::MemoryIOStream(reinterpret_cast<const uint8_t*>(m_content->data()), m_content->size())
 			: DefaultIOSystem::Open(file, mode);
 		return stream ? new ProgressStream(stream, m_progress) : nullptr;
 	}
@@ -127,7 +131,7 @@ public:
 private:
 	ImportProgress& m_progress;
 	const std::string& m_path;
-	const std::optional<std::string>& m_unpacked;
+	const std::optional<std::string>& m_content;
 };
 
 /// Distance between neighbouring single-precision values at the part's farthest coordinate, as a share of its longest side.
@@ -413,15 +417,29 @@ std::optional<std::string> unitOfFbx(const aiScene& scene, const Assimp::Importe
 		"are not.";
 }
 
-Result<TexturedMesh> readMesh(const std::string& path, const std::optional<double>& given, Wanted wanted, ImportProgress& importProgress)
+/// The part of the import that all formats share: refuses meshes that nothing can be made of.
+std::optional<Error> whyUnusable(const Mesh& mesh, const std::string& path, double worstBlur)
 {
-	if (const auto error = whyNoMeshFile(path)) return *error;
+	if (const std::string where = whereNotFinite(mesh); !where.empty()) return Error{path + ": " + where + "; export the mesh again"};
+	if (mesh.triangles.empty()) return Error{path + " contains no triangles; export the surface as polygons"};
+	if (worstBlur > kBlurred)
+		return Error{path + ": the mesh lies so far from its origin, " + extent(bounds(mesh)) +
+			", that its coordinates, read in single precision, are exact to " + std::to_string(100 * worstBlur) +
+			" % of its size only; move it to the origin and export it again"};
+	return std::nullopt;
+}
+
+Result<TexturedMesh> readByAssimp(
+	const std::string& path, const std::optional<double>& given, Wanted wanted, ImportProgress& importProgress)
+{
 	const Result<MeshFileHead> head = readMeshFileHead(path);
 	if (!head) return head.error();
 	const Result<Scale> scale = scaleOf(path, head.value().unit, given);
 	if (!scale) return scale.error();
 	Assimp::Importer importer;
-	importer.SetIOHandler(new ProgressFiles(importProgress, path, head.value().unpacked));
+	// Otherwise the reader would turn the file's up axis to y, and a COLLADA file would lie across its own STL twin.
+	importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+	importer.SetIOHandler(new ProgressFiles(importProgress, path, head.value().content));
 	const MeshReaderWarnings warnings;
 	const aiScene* scene = importer.ReadFile(path, 0);
 	// The cast is safe: the importer owns the scene and returns it as const.
@@ -441,23 +459,74 @@ Result<TexturedMesh> readMesh(const std::string& path, const std::optional<doubl
 		return Error{"cannot read " + path + ": its archive is damaged; export the mesh again"};
 	TexturedMesh textured = gather(*scene, scale.value().factor, wanted, importProgress);
 	textured.mesh.unit = scale.value().unit;
-	const Mesh& mesh = textured.mesh;
 	if (importProgress.cancelled()) return Error{"the import was cancelled", true};
-	if (const std::string where = whereNotFinite(mesh); !where.empty()) return Error{path + ": " + where + "; export the mesh again"};
-	if (mesh.triangles.empty()) return Error{path + " contains no triangles; export the surface as polygons"};
 	double worst = 0;
 	for (const aiMesh* part : partsOf(*scene)) worst = std::max(worst, blur(*part));
-	if (worst > kBlurred)
-		return Error{path + ": the mesh lies so far from its origin, " + extent(bounds(mesh)) +
-			", that its coordinates, read in single precision, are exact to " + std::to_string(100 * worst) +
-			" % of its size only; move it to the origin and export it again"};
+	if (const auto error = whyUnusable(textured.mesh, path, worst)) return *error;
 	if (wanted == Wanted::SurfaceAndPlaces)
 		if (auto error = checkPlaces(textured, *scene, path)) return *error;
-	if (!importProgress.reach(1)) return Error{"the import was cancelled", true};
 	textured.mesh.notTaken = sentences(leftOut, warnings.ofFaces());
 	if (auto sentence = given ? scale.value().notTaken : unitOfFbx(*scene, importer, given))
 		textured.mesh.notTaken.push_back(*std::move(sentence));
 	return textured;
+}
+
+/// Reads the bytes of a file in blocks.
+Result<std::string> bytesOf(const std::string& path, ImportProgress& importProgress)
+{
+	std::ifstream file(path, std::ios::binary | std::ios::ate);
+	if (!file) return Error{"cannot read " + path + ": it cannot be opened; check its permissions"};
+	const std::streamoff size = std::max<std::streamoff>(0, file.tellg());
+	file.seekg(0);
+	std::string bytes(static_cast<size_t>(size), '\0');
+	constexpr std::streamoff kBlock = std::streamoff(1) << 24;
+	for (std::streamoff done = 0; done < size; done = std::min(size, done + kBlock))
+	{
+		if (!file.read(bytes.data() + done, std::min(kBlock, size - done)))
+			return Error{"cannot read " + path + ": reading it failed after " + std::to_string(done) + " bytes; copy it again"};
+		if (!importProgress.reach(0.5 * kReading * double(done) / double(size))) return Error{"the import was cancelled", true};
+	}
+	return bytes;
+}
+
+Result<TexturedMesh> readStlFile(const std::string& path, double unit, Wanted wanted, ImportProgress& importProgress)
+{
+	const Result<std::string> bytes = bytesOf(path, importProgress);
+	if (!bytes) return bytes.error();
+	Result<Mesh> read = readStl(bytes.value(), [&](double done) { return importProgress.reach(kReading * (0.5 + 0.5 * done)); });
+	if (!read) return read.error().cancelled ? read.error() : Error{"cannot read " + path + ": " + read.error().message};
+	TexturedMesh textured{std::move(read).value(), {}};
+	Mesh& mesh = textured.mesh;
+	const Box box = bounds(mesh);
+	const double side = box.longestSide(),
+				 farthest = std::max({std::fabs(box.lower.x), std::fabs(box.lower.y), std::fabs(box.lower.z), std::fabs(box.upper.x),
+					 std::fabs(box.upper.y), std::fabs(box.upper.z)}),
+				 blur = side > 0 ? farthest * 0x1p-23 / side : 0;
+	for (Vec3& v : mesh.vertices) v = unit * v;
+	mesh.unit = unit;
+	mesh.rounding = std::max(mesh.rounding, blur);
+	if (const auto error = whyUnusable(mesh, path, blur)) return *error;
+	if (wanted == Wanted::SurfaceAndPlaces)
+		return Error{path +
+			": STL files have no texture coordinates; unwrap the mesh (in Blender: Edit Mode, U, Smart UV Project) and "
+			"export it with them as OBJ"};
+	return textured;
+}
+
+bool isStl(const std::string& path)
+{
+	std::string ending = std::filesystem::path(path).extension().string();
+	std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+	return ending == ".stl";
+}
+
+Result<TexturedMesh> readMesh(const std::string& path, const std::optional<double>& given, Wanted wanted, ImportProgress& importProgress)
+{
+	if (const auto error = whyNoMeshFile(path)) return *error;
+	Result<TexturedMesh> read = isStl(path) ? readStlFile(path, given.value_or(1), wanted, importProgress)
+											: readByAssimp(path, given, wanted, importProgress);
+	if (read && !importProgress.reach(1)) return Error{"the import was cancelled", true};
+	return read;
 }
 
 Result<TexturedMesh> importSurface(const std::string& path, const std::optional<double>& unit, Wanted wanted, const Progress& progress)

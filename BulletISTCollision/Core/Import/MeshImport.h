@@ -11,14 +11,14 @@
 
 namespace ist
 {
-/// Reads every triangle of a file in any format that assimp knows, with the scene's node transforms applied, in metres. Points, lines and
-/// faces with invalid corners are left out, and `Mesh::notTaken` says so. Some readers give such faces other corners (OFF, AC, 3DS);
-/// `notTaken` says that, too. Duplicate positions are not welded; repair does that.
+/// Reads every triangle of a file, of an STL file itself and of any other format that assimp knows through it, with the scene's node
+/// transforms applied, in metres. Points, lines and faces with invalid corners are left out, and `Mesh::notTaken` says so. Some readers
+/// give such faces other corners (OFF, AC, 3DS); `notTaken` says that, too. Duplicate positions are not welded; repair does that.
 ///
 /// Without `unit`, the file's own unit is applied once: the one that 3MF, AMF and COLLADA files state, millimetres if a 3MF or AMF file
-/// states none, and metres for all other formats. The unit that an FBX file states is not applied, and `notTaken` says so. `unit`, in
-/// metres per unit of the file, replaces what the file states, and `notTaken` says if the two differ. `Mesh::unit` is the unit that was
-/// applied.
+/// states none, and metres for all other formats. The axes are those of the file, whatever it states to be up (MeshAxes.h turns meshes).
+/// The unit that an FBX file states is not applied, and `notTaken` says so. `unit`, in metres per unit of the file, replaces what the file
+/// states, and `notTaken` says if the two differ. `Mesh::unit` is the unit that was applied.
 ///
 /// Errors: the file is missing or unreadable, has no triangles, or states a unit that its format does not know; more than half of its
 /// faces have invalid corners; coordinates are not finite (the first one is named); or the coordinates lie so far from the origin that

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Import/Inflate.h"
 
 #include <algorithm>
+#include <array>
 
 namespace ist
 {
@@ -73,6 +74,22 @@ void takeZip64(std::string_view extra, uint64_t& size, uint64_t& packed, uint64_
 		at += length;
 	}
 }
+/// The checksum of zip files: CRC-32, polynomial 0xedb88320.
+uint32_t crcOf(std::string_view bytes)
+{
+	static const std::array<uint32_t, 256> table = [] {
+		std::array<uint32_t, 256> rows{};
+		for (uint32_t i = 0; i < 256; ++i)
+		{
+			rows[i] = i;
+			for (int bit = 0; bit < 8; ++bit) rows[i] = rows[i] >> 1 ^ (rows[i] & 1 ? 0xedb88320u : 0);
+		}
+		return rows;
+	}();
+	uint32_t crc = ~0u;
+	for (const char c : bytes) crc = crc >> 8 ^ table[(crc ^ static_cast<unsigned char>(c)) & 0xff];
+	return ~crc;
+}
 }  // namespace
 
 std::string nameInZip(std::string name)
@@ -95,7 +112,7 @@ std::optional<ZipArchive> ZipArchive::open(std::string_view bytes)
 					 commentSize = numberAt(bytes, at + 32, 2);
 		if (!fits(bytes, at + kRowSize, nameSize + extraSize + commentSize)) return std::nullopt;
 		Place place{numberAt(bytes, at + 42, 4), numberAt(bytes, at + 20, 4), numberAt(bytes, at + 24, 4),
-			unsigned(numberAt(bytes, at + 10, 2)), (numberAt(bytes, at + 8, 2) & 1) != 0};
+			unsigned(numberAt(bytes, at + 10, 2)), uint32_t(numberAt(bytes, at + 16, 4)), nameSize, (numberAt(bytes, at + 8, 2) & 1) != 0};
 		takeZip64(bytes.substr(at + kRowSize + nameSize, extraSize), place.size, place.packed, place.head);
 		place.head = place.head > bytes.size() ? place.head : place.head + contents->begin;
 		archive.m_names.push_back(nameInZip(std::string(bytes.substr(at + kRowSize, nameSize))));
@@ -105,17 +122,28 @@ std::optional<ZipArchive> ZipArchive::open(std::string_view bytes)
 	return archive;
 }
 
+/// Whether the header before the content says what the table of contents says. Other readers refuse the file if it does not.
+bool ZipArchive::agrees(const Place& place) const
+{
+	const auto number = [&](size_t offset, size_t size) { return numberAt(m_bytes, place.head + offset, size); };
+	if (number(8, 2) != place.method || number(26, 2) != place.nameSize) return false;
+	const bool isKnownLater = (number(6, 2) & 8) != 0;  // checksum and sizes stand behind the content
+	const auto isSize = [](uint64_t stated, uint64_t size) { return stated == size || stated == kInZip64; };
+	return isKnownLater || (number(14, 4) == place.crc && isSize(number(18, 4), place.packed) && isSize(number(22, 4), place.size));
+}
+
 std::optional<std::string> ZipArchive::read(std::string_view name) const
 {
 	const auto found = std::find(m_names.begin(), m_names.end(), name);
 	if (found == m_names.end()) return std::nullopt;
 	const Place& place = m_places[static_cast<size_t>(found - m_names.begin())];
-	if (place.encrypted || !isMark(m_bytes, place.head, kFileHead, kFileMark)) return std::nullopt;
+	if (place.encrypted || !isMark(m_bytes, place.head, kFileHead, kFileMark) || !agrees(place)) return std::nullopt;
 	const uint64_t start = place.head + kFileHead + numberAt(m_bytes, place.head + 26, 2) + numberAt(m_bytes, place.head + 28, 2);
 	if (!fits(m_bytes, start, place.packed)) return std::nullopt;
 	const std::string_view packed = m_bytes.substr(start, place.packed);
-	if (place.method == 0 && place.packed == place.size) return std::string(packed);
-	if (place.method == 8) return inflated(packed, place.size);
-	return std::nullopt;
+	std::optional<std::string> content;
+	if (place.method == 0 && place.packed == place.size) content = std::string(packed);
+	if (place.method == 8) content = inflated(packed, place.size);
+	return content && crcOf(*content) == place.crc ? content : std::nullopt;
 }
 }  // namespace ist

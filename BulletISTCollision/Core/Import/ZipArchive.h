@@ -18,7 +18,8 @@ public:
 
 	/// File names in the order of the table of contents, with slashes between folders and none in front.
 	const std::vector<std::string>& names() const { return m_names; }
-	/// Content of a file; empty optional if there is no such file, or if it is damaged, encrypted or packed in another way.
+	/// Content of a file; empty optional if there is no such file, or if it is damaged (its checksum is compared), encrypted or packed in
+	/// another way.
 	std::optional<std::string> read(std::string_view name) const;
 
 private:
@@ -26,8 +27,12 @@ private:
 	{
 		uint64_t head = 0, packed = 0, size = 0;
 		unsigned method = 0;
+		uint32_t crc = 0;
+		size_t nameSize = 0;
 		bool encrypted = false;
 	};
+	bool agrees(const Place& place) const;
+
 	std::string_view m_bytes;
 	std::vector<std::string> m_names;
 	std::vector<Place> m_places;

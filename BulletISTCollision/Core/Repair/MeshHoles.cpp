@@ -4,12 +4,16 @@
 #include "BulletISTCollision/Core/Mesh/MeshEdges.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace ist
 {
 namespace
 {
+/// Share of the mesh's longest side by which a flat part may deviate from its plane.
+constexpr double kFlatPart = 1e-6;
+
 constexpr uint32_t kNone = UINT32_MAX;
 
 /// Directed edges (from, to) that the caps must contain, sorted. At each vertex, equally many of them end and begin.
@@ -32,7 +36,31 @@ double triangleArea(const Mesh& mesh, const Triangle& t)
 	return 0.5 * norm(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
 }
 
-void cap(Mesh& mesh, const uint32_t* loop, std::size_t length, ClosedHoles& closed)
+/// The vertices of connected parts that are not flat. A flat part has no volume, however large the hole in it.
+std::vector<uint8_t> verticesOfBodies(const Mesh& mesh)
+{
+	const std::vector<uint32_t> component = componentOfTriangle(mesh, sortedEdges(mesh));
+	const double flat = kFlatPart * bounds(mesh).longestSide();
+	std::vector<Vec3> normals(mesh.triangles.size());
+	std::vector<uint8_t> isBody(mesh.triangles.size(), 0), ofBody(mesh.vertices.size(), 0);
+	const auto normal = [&](const Triangle& t) {
+		const Vec3& a = mesh.vertices[t[0]];
+		return cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a);
+	};
+	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+		if (const Vec3 n = normal(mesh.triangles[i]); squaredNorm(n) > squaredNorm(normals[component[i]])) normals[component[i]] = n;
+	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+	{
+		const Vec3& on = mesh.vertices[mesh.triangles[component[i]][0]];
+		for (const uint32_t v : mesh.triangles[i])
+			if (std::fabs(dot(normalized(normals[component[i]]), mesh.vertices[v] - on)) > flat) isBody[component[i]] = 1;
+	}
+	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+		for (const uint32_t v : mesh.triangles[i]) ofBody[v] |= isBody[component[i]];
+	return ofBody;
+}
+
+void cap(Mesh& mesh, const uint32_t* loop, std::size_t length, const std::vector<uint8_t>& ofBody, ClosedHoles& closed)
 {
 	++closed.count;
 	const std::size_t first = mesh.triangles.size();
@@ -55,7 +83,8 @@ void cap(Mesh& mesh, const uint32_t* loop, std::size_t length, ClosedHoles& clos
 	}
 	double area = 0;
 	for (std::size_t i = first; i < mesh.triangles.size(); ++i) area += triangleArea(mesh, mesh.triangles[i]);
-	closed.doubt += area * norm(box.size()) / 4;
+	const bool isOfBody = std::any_of(loop, loop + length, [&](uint32_t v) { return ofBody[v] != 0; });
+	(isOfBody ? closed.doubt : closed.doubtOfSheets) += area * norm(box.size()) / 4;
 }
 }  // namespace
 
@@ -69,6 +98,7 @@ ClosedHoles closeHoles(Mesh& mesh)
 	for (const auto& edge : missing) ++next[edge.first + 1];
 	for (std::size_t v = 0; v < vertexCount; ++v) next[v + 1] += next[v];
 	const std::vector<uint32_t> begin = next;
+	const std::vector<uint8_t> ofBody = verticesOfBodies(mesh);
 
 	// The walk cuts off a loop as soon as it meets itself, so no loop passes a vertex twice. Because equally many edges end and begin at
 	// each vertex, the walk can only stop where it began.
@@ -80,7 +110,7 @@ ClosedHoles closeHoles(Mesh& mesh)
 			if (onPath[v] != kNone)
 			{
 				const std::size_t from = onPath[v];
-				cap(mesh, path.data() + from, path.size() - from, closed);
+				cap(mesh, path.data() + from, path.size() - from, ofBody, closed);
 				for (std::size_t i = from; i < path.size(); ++i) onPath[path[i]] = kNone;
 				path.resize(from);
 			}

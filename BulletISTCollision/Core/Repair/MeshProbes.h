@@ -5,12 +5,13 @@
 
 namespace ist
 {
-// Measures from the winding number at the points of a grid over the mesh's box, with `cells` points along its longest side. Parts that
-// are thinner than a cell may be missed. O(cells^3 log n).
-
 /// Error of a closed mesh's volume (the sum of signed tetrahedra), as a share of the volume inside (winding number > 1/2). The sum is
-/// wrong where the winding number is neither 0 nor 1. Infinite if no point is inside.
+/// wrong where the winding number is neither 0 nor 1. Infinite if nothing is inside. It is measured along parallel lines, `cells` along
+/// each of the two longer sides, exactly along each line. O(cells^2 times the layers of the mesh, + n).
 double miscountedShare(const Mesh& mesh, int cells);
+
+// The others measure from the winding number at the points of a grid over the mesh's box, with `cells` points along its longest side.
+// Parts that are thinner than a cell may be missed. O(cells^3 log n).
 
 /// Share of the inside that changes when holes are closed. It counts points at which the open mesh's winding number is within a quarter
 /// of an integer, so that the answer is clear, and the closed mesh says otherwise. The share refers to the points inside either mesh; 0

@@ -7,6 +7,7 @@
 #include "BulletISTCollision/Core/Repair/MeshHoles.h"
 #include "BulletISTCollision/Core/Repair/MeshProbes.h"
 #include "BulletISTCollision/Core/Repair/MeshShells.h"
+#include "BulletISTCollision/Core/Repair/MeshThinning.h"
 #include "BulletISTCollision/Core/Repair/MeshWeld.h"
 #include "BulletISTCollision/Core/Repair/MeshWrap.h"
 
@@ -33,8 +34,12 @@ constexpr int kWrapCells = 16;  // the same cases with a sixtieth of the work
 #else
 constexpr int kWrapCells = 128;
 #endif
+/// Distance by which triangles of the grid may be merged, in cells.
+constexpr double kThinning = 0.1;
 /// Number of points along the longest side of the grid that measures wrongly counted volume.
 constexpr int kProbes = 32;
+/// Number of lines along the longest side that measure by volume what is counted wrongly.
+constexpr int kColumns = 256;
 /// Share of the volume. If less is counted wrongly, the surface stays as it is.
 constexpr double kHarmless = 0.01;
 /// Largest share of the inside that rebuilding may lose, however much is counted wrongly.
@@ -115,45 +120,6 @@ Closedness closedness(const Mesh& mesh)
 
 int64_t dropCollapsed(Mesh& mesh) { return static_cast<int64_t>(std::erase_if(mesh.triangles, isCollapsed)); }
 
-/// Treatment of triangles that lie on each other and face opposite ways. They are the two sides of a doubled surface (keep one), or the
-/// wall between two bodies that touch (keep none). Cancel drops such pairs and changes nothing else: balanced edges stay balanced.
-enum class OppositePairs
-{
-	KeepOne,
-	DropBoth,
-	Cancel
-};
-
-int64_t dropDuplicates(Mesh& mesh, OppositePairs policy)
-{
-	const std::vector<TriangleKey> keys = sortedTriangles(mesh);
-	std::vector<uint8_t> keep(mesh.triangles.size(), 1);
-	for (std::size_t i = 0; i < keys.size();)
-	{
-		std::size_t j = i;
-		int64_t balance = 0;
-		for (; j < keys.size() && keys[j].corners == keys[i].corners; ++j)
-		{
-			balance += keys[j].even ? 1 : -1;
-			keep[keys[j].triangle] = 0;
-		}
-		int64_t survivors = policy == OppositePairs::Cancel ? std::abs(balance) : balance != 0 || policy == OppositePairs::KeepOne;
-		for (std::size_t k = i; k < j && survivors > 0; ++k)
-			if (balance == 0 || keys[k].even == (balance > 0))
-			{
-				keep[keys[k].triangle] = 1;
-				--survivors;
-			}
-		i = j;
-	}
-	std::size_t kept = 0;
-	for (std::size_t i = 0; i < keep.size(); ++i)
-		if (keep[i]) mesh.triangles[kept++] = mesh.triangles[i];
-	const auto dropped = static_cast<int64_t>(mesh.triangles.size() - kept);
-	mesh.triangles.resize(kept);
-	return dropped;
-}
-
 /// Reverses triangles until neighbours across edges of exactly two triangles agree, if that is possible. The larger part of each
 /// connected set, by number, keeps its orientation. Returns the number of reversed triangles.
 int64_t orientConsistently(Mesh& mesh)
@@ -208,6 +174,67 @@ int64_t orientConsistently(Mesh& mesh)
 			++turned;
 		}
 	return turned;
+}
+
+/// Makes each closed part of a mesh face outwards, as if it were alone.
+void faceOutwards(Mesh& mesh)
+{
+	orientConsistently(mesh);
+	const std::vector<uint32_t> component = componentOfTriangle(mesh, sortedEdges(mesh));
+	std::vector<double> volume(mesh.triangles.size(), 0);
+	const Vec3 middle = 0.5 * (bounds(mesh).lower + bounds(mesh).upper);
+	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+	{
+		const Triangle& t = mesh.triangles[i];
+		volume[component[i]] += dot(mesh.vertices[t[0]] - middle, cross(mesh.vertices[t[1]] - middle, mesh.vertices[t[2]] - middle));
+	}
+	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+		if (volume[component[i]] < 0) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+}
+
+/// Treatment of triangles that lie on each other and face opposite ways. They are the two sides of a doubled surface (keep one), or the
+/// wall between two bodies that touch (keep none). Cancel drops such pairs and changes nothing else: balanced edges stay balanced.
+enum class OppositePairs
+{
+	KeepOne,
+	DropBoth,
+	Cancel
+};
+
+int64_t dropDuplicates(Mesh& mesh, OppositePairs policy)
+{
+	const std::vector<TriangleKey> keys = sortedTriangles(mesh);
+	std::vector<uint8_t> keep(mesh.triangles.size(), 1), isOfPair(mesh.triangles.size(), 0);
+	for (std::size_t i = 0; i < keys.size();)
+	{
+		std::size_t j = i;
+		int64_t balance = 0;
+		for (; j < keys.size() && keys[j].corners == keys[i].corners; ++j)
+		{
+			balance += keys[j].even ? 1 : -1;
+			keep[keys[j].triangle] = 0;
+		}
+		int64_t survivors = policy == OppositePairs::Cancel ? std::abs(balance) : balance != 0 || policy == OppositePairs::KeepOne;
+		for (std::size_t k = i; k < j && survivors > 0; ++k)
+			if (balance == 0 || keys[k].even == (balance > 0))
+			{
+				keep[keys[k].triangle] = 1;
+				isOfPair[keys[k].triangle] = balance == 0;
+				--survivors;
+			}
+		i = j;
+	}
+	// Which of the two sides is kept is no choice of the file. Outwards is right for a body, and for one that fills a cavity.
+	Mesh pairs{mesh.vertices, {}, mesh.rounding};
+	for (std::size_t i = 0; i < keep.size(); ++i)
+		if (keep[i] && isOfPair[i]) pairs.triangles.push_back(mesh.triangles[i]);
+	if (!pairs.triangles.empty()) faceOutwards(pairs);
+	std::size_t kept = 0, ofPairs = 0;
+	for (std::size_t i = 0; i < keep.size(); ++i)
+		if (keep[i]) mesh.triangles[kept++] = isOfPair[i] ? pairs.triangles[ofPairs++] : mesh.triangles[i];
+	const auto dropped = static_cast<int64_t>(mesh.triangles.size() - kept);
+	mesh.triangles.resize(kept);
+	return dropped;
 }
 
 /// Progress of a repair. It remembers that the caller wants to cancel.
@@ -309,7 +336,7 @@ void closeHoles(Attempt& attempt)
 	attempt.state = closedness(attempt.mesh);
 	// The mesh consisted only of sheets that were each closed by their own reverse.
 	if (attempt.mesh.triangles.empty()) attempt.state.watertight = closed.count > 0;
-	attempt.contradicts = closed.doubt > kHarmless * std::fabs(massProperties(attempt.mesh).volume) &&
+	attempt.contradicts = closed.doubt + closed.doubtOfSheets > kHarmless * std::fabs(massProperties(attempt.mesh).volume) &&
 		contradictedShare(open, attempt.mesh, kProbes) > kHarmless;
 }
 
@@ -338,12 +365,12 @@ Attempt closeUp(const Mesh& welded, Steps& steps)
 }
 
 /// Replaces the mesh by its wrap. Returns an error if that fails.
-std::optional<Error> wrap(Attempt& attempt, const Progress& progress)
+std::optional<Error> wrap(Attempt& attempt, const Progress& progress, int threads)
 {
-	Result<Mesh> wrapped = wrapSurface(attempt.mesh, kWrapCells, progress);
+	Result<Mesh> wrapped = wrapSurface(attempt.mesh, kWrapCells, progress, threads);
 	if (!wrapped) return wrapped.error();
 	const double cell = bounds(attempt.mesh).longestSide() / kWrapCells;
-	attempt.mesh = std::move(wrapped.value());
+	attempt.mesh = thinned(wrapped.value(), kThinning * cell, progress);
 	// The two sides of the surface may each be off by half a cell.
 	attempt.doubt += surfaceArea(attempt.mesh) * cell / 2;
 	attempt.actions.push_back("Rebuilt the surface as " +
@@ -392,31 +419,24 @@ Attempt prepareToWrap(const Mesh& welded)
 }
 
 /// Replaces an attempt whose caps are not reliable by the region inside the open surface according to its winding number.
-std::optional<Error> wrapOpen(Attempt& attempt, const Mesh& welded, Steps& steps)
+std::optional<Error> wrapOpen(Attempt& attempt, const Mesh& welded, Steps& steps, int threads)
 {
 	Attempt rebuilt = prepareToWrap(welded);
-	const Error open = notClosed(
-		rebuilt.mesh, rebuilt.state, "what is missing may be as much as the body; close it in a modelling program and export it again");
+	const Error open = notClosed(rebuilt.mesh, rebuilt.state,
+		"what is missing may be as much as the body; rebuild it on a grid (RepairMode::Wrap), which takes what it surrounds for the body, "
+		"or "
+		"close it in a modelling program and export it again");
 	rebuilt.actions.push_back("Left " + counted(attempt.holes, "hole", "holes") + " open: closing them would have taken the body apart.");
 	rebuilt.doubt += ambiguousVolume(rebuilt.mesh, kProbes);
-	if (auto error = wrap(rebuilt, steps.upTo(0.95))) return error;
+	if (auto error = wrap(rebuilt, steps.upTo(0.95), threads)) return error;
 	if (rebuilt.doubt > massProperties(rebuilt.mesh).volume) return open;
 	attempt = std::move(rebuilt);
 	return std::nullopt;
 }
 
-/// Measures with finer grids, up to that of the wrap, if no point of the coarse grid was inside.
-double miscountedShareOfThin(const Mesh& mesh, Steps& steps)
-{
-	double wrong = std::numeric_limits<double>::infinity();
-	for (int cells = 2 * kProbes; std::isinf(wrong) && cells <= kWrapCells && steps.reach(0.7); cells *= 2)
-		wrong = miscountedShare(mesh, cells);
-	return wrong;
-}
-
 /// Wraps a surface of which a share is counted wrongly. The wrap is dropped if it loses more than that, as with parts thinner than a
 /// cell.
-std::optional<Error> wrapCuts(Attempt& attempt, const std::string& found, double wrong, Steps& steps)
+std::optional<Error> wrapCuts(Attempt& attempt, const std::string& found, double wrong, Steps& steps, int threads)
 {
 	if (std::isinf(wrong))
 	{
@@ -426,26 +446,28 @@ std::optional<Error> wrapCuts(Attempt& attempt, const std::string& found, double
 	}
 	Attempt rebuilt = attempt;
 	rebuilt.actions.push_back("Found " + found + ".");
-	if (auto error = wrap(rebuilt, steps.upTo(0.95))) return error;
+	if (auto error = wrap(rebuilt, steps.upTo(0.95), threads)) return error;
 	const double inside = massProperties(attempt.mesh).volume / (1 + wrong);
-	if (massProperties(rebuilt.mesh).volume >= (1 - std::min(wrong, kMostLost)) * inside) attempt = std::move(rebuilt);
-	else
-		attempt.actions.push_back("Left " + found + ": about " + number(std::round(1000 * wrong) / 10) +
-			" % of what the surface encloses is counted wrongly for it, and rebuilding it on a grid would lose more.");
+	if (massProperties(rebuilt.mesh).volume >= (1 - std::min(wrong, kMostLost)) * inside)
+	{
+		attempt = std::move(rebuilt);
+		return std::nullopt;
+	}
+	attempt.doubt += wrong * inside;
+	attempt.actions.push_back("Left " + found + ": about " + number(std::round(1000 * wrong) / 10) +
+		" % of what the surface encloses is counted wrongly for it, and rebuilding it on a grid would lose more.");
 	return std::nullopt;
 }
 
 /// If the surface covers some places more than once, wraps it, unless that changes the volume by little or loses more than it corrects.
 std::optional<Error> settleCuts(Attempt& attempt, const Mesh& welded, int64_t& cuts, Steps& steps, int threads)
 {
-	if (attempt.contradicts) return wrapOpen(attempt, welded, steps);
+	if (attempt.contradicts) return wrapOpen(attempt, welded, steps, threads);
 	cuts = countCuts(attempt.mesh, kMostCuts, threads);
 	if ((cuts == 0 && !attempt.mayOverlap) || !steps.reach(0.7)) return std::nullopt;
-	double wrong = miscountedShare(attempt.mesh, kProbes);
+	const double wrong = miscountedShare(attempt.mesh, kColumns);
 	// Shells may pass through one another without overlapping, like the links of a chain.
 	if (cuts == 0 && (wrong == 0 || std::isinf(wrong))) return std::nullopt;
-	if (std::isinf(wrong)) wrong = miscountedShareOfThin(attempt.mesh, steps);
-	if (!steps.goesOn()) return std::nullopt;
 	const std::string found = cuts == 0 ? "shells that overlap"
 										: (cuts == kMostCuts ? "at least " : "") +
 			counted(cuts, "pair of triangles that cut each other", "pairs of triangles that cut each other");
@@ -455,8 +477,8 @@ std::optional<Error> settleCuts(Attempt& attempt, const Mesh& welded, int64_t& c
 			"Left " + found + ": less than " + number(100 * kHarmless) + " % of what the surface encloses is counted wrongly for it.");
 		return std::nullopt;
 	}
-	if (attempt.doubt > std::fabs(massProperties(attempt.mesh).volume)) return wrapOpen(attempt, welded, steps);
-	return wrapCuts(attempt, found, wrong, steps);
+	if (attempt.doubt > std::fabs(massProperties(attempt.mesh).volume)) return wrapOpen(attempt, welded, steps, threads);
+	return wrapCuts(attempt, found, wrong, steps, threads);
 }
 
 /// Position of any corner of a triangle; empty if it has no valid corner.
@@ -565,15 +587,17 @@ Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode, const Progress& p
 	if (!steps.goesOn()) return cancelled;
 	if (mode == RepairMode::Wrap)
 	{
-		if (const auto error = wrap(attempt, steps.upTo(0.95))) return *error;
+		if (const auto error = wrap(attempt, steps.upTo(0.95), threads)) return *error;
 		if (attempt.mesh.triangles.empty())
 			return enclosesNothing(
 				welded, " or open: no point of a grid of " + number(bounds(welded).longestSide() / kWrapCells) + " m lies inside it");
 	}
 	if (!attempt.state.watertight)
 		return notClosed(attempt.mesh, attempt.state,
-			mode == RepairMode::Off ? "use the automatic repair"
-									: "wrap it (repair mode \"wrap\"), or close it in a modelling program and export it again");
+			mode == RepairMode::Off
+				? "use the automatic repair"
+				: "rebuild it on a grid (RepairMode::Wrap), which takes what it surrounds for the body, or close it in a "
+				  "modelling program and export it again");
 	if (mode == RepairMode::Auto)
 		if (const auto error = settleCuts(attempt, welded, result.cuts, steps, threads)) return *error;
 	if (!steps.goesOn()) return cancelled;

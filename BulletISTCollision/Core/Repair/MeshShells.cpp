@@ -15,6 +15,8 @@ namespace ist
 namespace
 {
 constexpr std::size_t kNestingProbes = 16;
+/// Depths below the surface at which a shell is asked whether it fills a cavity, as shares of its longest side.
+constexpr double kCavityDepths[] = {1e-3, 0.05, 0.25};
 /// Share of the area times the longest side; a shell with less volume encloses nothing.
 constexpr double kFlatShell = 1e-9;
 
@@ -190,22 +192,55 @@ void findNesting(const Mesh& mesh, std::vector<Shell>& all, ShellVerdict& verdic
 	}
 }
 
-void decide(std::vector<Shell>& all, ShellVerdict& verdict)
+/// Whether solid material of the other shells is missing somewhere in a shell that lies in an outer one: it fills a cavity, at least in
+/// part. Points below its triangles are looked at, so that a shell that touches the wall of the cavity is found, too.
+bool fillsCavity(const Mesh& mesh, std::vector<Shell>& all, uint32_t index)
+{
+	Shell& shell = all[index];
+	// Shells in this one, or deeper in others, do not decide what it is.
+	const auto decides = [&](const Shell& other) { return &other != &shell && other.kept && other.around.size() <= shell.around.size(); };
+	const auto isCavity = [&](const Shell& other) { return decides(other) && other.sign < 0 && overlap(other.box, shell.box); };
+	if (std::none_of(all.begin(), all.end(), isCavity)) return false;
+	const auto contains = [&](Shell& outer, const Vec3& p) {
+		if (!outer.surface) outer.surface = std::make_unique<MeshDistance>(meshOf(mesh, outer));
+		return std::fabs(outer.surface->windingNumber(p)) > 0.5;
+	};
+	const std::size_t stride = std::max<std::size_t>(1, shell.triangles.size() / kNestingProbes);
+	for (std::size_t i = 0; i < shell.triangles.size(); i += stride)
+	{
+		const Triangle& t = mesh.triangles[shell.triangles[i]];
+		const Vec3 &a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
+		const Vec3 outward = (shell.volume < 0 ? -1 : 1) * normalized(cross(b - a, c - a));
+		for (const double depth : kCavityDepths)
+		{
+			const Vec3 probe = (a + b + c) / 3 - depth * shell.box.longestSide() * outward;
+			if (!contains(shell, probe)) continue;
+			int64_t winding = 0;
+			for (Shell& other : all)
+				if (decides(other) && encloses(other.box, {probe, probe}, 0) && contains(other, probe)) winding += other.sign;
+			if (winding <= 0) return true;
+		}
+	}
+	return false;
+}
+
+void decide(const Mesh& mesh, std::vector<Shell>& all, ShellVerdict& verdict)
 {
 	std::vector<uint32_t> order;
 	for (uint32_t i = 0; i < all.size(); ++i)
 		if (all[i].kept) order.push_back(i);
 		else ++verdict.dropped;
 	std::stable_sort(order.begin(), order.end(), [&](uint32_t a, uint32_t b) { return all[a].around.size() < all[b].around.size(); });
+	// A shell in an outermost shell that faces inwards is inside out with it.
 	for (const uint32_t i : order)
-	{
-		// A shell in an outermost shell that faces inwards is inside out with it.
 		for (const uint32_t j : all[i].around)
 			if (all[j].around.empty() && all[j].volume < 0) all[i].sign = all[i].volume < 0 ? 1 : -1;
+	for (const uint32_t i : order)
+	{
 		int64_t winding = 0;
 		for (const uint32_t j : all[i].around) winding += all[j].sign;
 		if (winding <= 0) all[i].sign = 1;
-		else if (winding + all[i].sign > 0)
+		else if (winding + all[i].sign > 0 && !(all[i].sign > 0 && fillsCavity(mesh, all, i)))
 		{
 			all[i].kept = false;
 			++verdict.redundant;
@@ -219,7 +254,7 @@ ShellVerdict settleShells(Mesh& mesh)
 	std::vector<Shell> all = shells(mesh);
 	ShellVerdict verdict;
 	findNesting(mesh, all, verdict);
-	decide(all, verdict);
+	decide(mesh, all, verdict);
 	std::vector<uint8_t> keep(mesh.triangles.size(), 1);
 	for (const Shell& shell : all)
 	{

@@ -19,14 +19,18 @@ using Node = std::array<int, 3>;
 constexpr double kShift = 1.3819660112501051;
 /// Step of the coarse pass in cells. It finds every part that is thicker, however far its boundary lies from any triangle.
 constexpr int kCoarse = 4;
-constexpr int kBisections = 12;
+/// Halvings where no triangle says where the side changes.
+constexpr int kBisections = 9;
 /// Share of a grid edge by which vertices stay away from its ends, so that no triangle collapses.
 constexpr double kMargin = 1e-3;
 
 class Wrapper
 {
 public:
-	Wrapper(const Mesh& mesh, int cells, const Progress& progress) : m_surface(mesh), m_progress(progress)
+	Wrapper(const Mesh& mesh, int cells, const Progress& progress, int threads)
+		: m_surface(mesh, threads),
+		  m_progress(progress),
+		  m_threads(threads)
 	{
 		const Box box = bounds(mesh);
 		m_step = box.longestSide() / cells;
@@ -40,14 +44,16 @@ public:
 	bool run()
 	{
 		if (!seedFromTriangles() || !seedFromCoarseNodes()) return false;
-		for (size_t done = 0; !m_open.empty(); ++done)
+		std::vector<Node> layer;
+		for (size_t done = 0; !m_open.empty(); done += layer.size())
 		{
-			if (done % 4096 == 0 && !goesOn(0.3 + 0.7 * double(done) / double(done + m_open.size() + 1))) return false;
-			const Node cell = m_open.back();
-			m_open.pop_back();
-			visit(cell);
+			if (!goesOn(0.3 + 0.4 * double(done) / double(done + m_open.size() + 1))) return false;
+			layer.swap(m_open);
+			m_open.clear();
+			findSides(layer);
+			for (const Node& cell : layer) visit(cell);
 		}
-		return true;
+		return goesOn(0.7) && placeVertices();
 	}
 
 	Mesh take() { return std::move(m_result); }
@@ -57,7 +63,8 @@ private:
 	{
 		kOutside,
 		kInside,
-		kUnknown
+		kUnknown,
+		kAsked  // will be known before it is used
 	};
 
 	bool goesOn(double fraction)
@@ -68,11 +75,34 @@ private:
 	size_t number(const Node& n) const { return (size_t(n[2]) * size_t(m_nodes[1]) + size_t(n[1])) * size_t(m_nodes[0]) + size_t(n[0]); }
 	Vec3 position(const Node& n) const { return m_origin + Vec3{double(n[0]), double(n[1]), double(n[2])} * m_step; }
 
-	bool inside(const Node& n)
+	bool inside(const Node& n) const { return m_side[number(n)] == kInside; }
+
+	void ask(const Node& n)
 	{
 		uint8_t& side = m_side[number(n)];
-		if (side == kUnknown) side = m_surface.contains(position(n)) ? kInside : kOutside;
-		return side == kInside;
+		if (side != kUnknown) return;
+		side = kAsked;
+		m_asked.push_back(n);
+	}
+
+	/// Finds the sides of all nodes that were asked for.
+	void answer()
+	{
+#pragma omp parallel for schedule(dynamic, 64) num_threads(m_threads)
+		for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(m_asked.size()); ++i)
+		{
+			const Node& n = m_asked[size_t(i)];
+			m_side[number(n)] = m_surface.contains(position(n)) ? kInside : kOutside;
+		}
+		m_asked.clear();
+	}
+
+	/// Finds the sides of all corners of cells.
+	void findSides(const std::vector<Node>& cells)
+	{
+		for (const Node& cell : cells)
+			for (int c = 0; c < 8; ++c) ask({cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)});
+		answer();
 	}
 
 	void seed(const Node& cell)
@@ -106,14 +136,19 @@ private:
 
 	bool seedFromCoarseNodes()
 	{
+		// The last nodes of each axis are nodes of the coarse pass, too.
+		const auto next = [this](int i, size_t axis) { return i + 1 < m_nodes[axis] ? std::min(i + kCoarse, m_nodes[axis] - 1) : i + 1; };
+		for (int z = 0; z < m_nodes[2]; z = next(z, 2))
+			for (int y = 0; y < m_nodes[1]; y = next(y, 1))
+				for (int x = 0; x < m_nodes[0]; x = next(x, 0)) ask({x, y, z});
+		if (!goesOn(0.15)) return false;
+		answer();
+		if (!goesOn(0.25)) return false;
 		for (int z = 0; z < m_nodes[2]; z += kCoarse)
-		{
-			if (!goesOn(0.1 + 0.2 * z / m_nodes[2])) return false;
 			for (int y = 0; y < m_nodes[1]; y += kCoarse)
 				for (int x = 0; x < m_nodes[0]; x += kCoarse)
 					for (size_t axis = 0; axis < 3; ++axis) seedBetween({x, y, z}, axis);
-		}
-		return true;
+		return goesOn(0.3);
 	}
 
 	void seedBetween(Node from, size_t axis)
@@ -184,18 +219,48 @@ private:
 		// The corners of an edge differ only in bits of one of them.
 		const auto key = uint64_t(number(node(inner & outer))) * 8 + uint64_t(inner ^ outer);
 		const auto [entry, isNew] = m_vertexOf.try_emplace(key, uint32_t(m_result.vertices.size()));
-		if (isNew) m_result.vertices.push_back(crossing(position(node(inner)), position(node(outer))));
+		if (isNew)
+		{
+			m_result.vertices.emplace_back();
+			m_edges.emplace_back(node(inner), node(outer));
+		}
 		return entry->second;
 	}
 
-	/// Position at which the edge is cut, as a share of the edge, if exactly one triangle cuts it; otherwise negative.
-	double onlyCut(const Vec3& inner, const Vec3& outer)
+	/// Puts the vertices on their edges. False if cancelled.
+	bool placeVertices()
 	{
-		constexpr size_t kMost = 24;
+		constexpr std::ptrdiff_t kBlock = 16384;
+		const auto count = std::ptrdiff_t(m_edges.size());
+		for (std::ptrdiff_t begin = 0; begin < count; begin += kBlock)
+		{
+			if (!goesOn(0.7 + 0.3 * double(begin) / double(count))) return false;
+#pragma omp parallel num_threads(m_threads)
+			{
+				Cuts cuts;
+#pragma omp for schedule(dynamic, 64)
+				for (std::ptrdiff_t i = begin; i < std::min(count, begin + kBlock); ++i)
+					m_result.vertices[size_t(i)] = crossing(position(m_edges[size_t(i)].first), position(m_edges[size_t(i)].second), cuts);
+			}
+		}
+		return true;
+	}
+
+	/// Memory of a thread.
+	struct Cuts
+	{
+		std::vector<std::pair<double, uint32_t>> near;
+		std::vector<double> shares;
+	};
+
+	/// Finds the positions at which triangles cut the edge, as shares of it, in ascending order. None if there are too many.
+	void findCuts(const Vec3& inner, const Vec3& outer, Cuts& cuts) const
+	{
+		constexpr size_t kMost = 64;
+		cuts.shares.clear();
 		const Vec3 along = outer - inner;
-		if (!m_surface.within(inner + along * 0.5, norm(along) * 0.5, kMost, m_near)) return -1;
-		double cut = -1;
-		for (const auto& [distance, index] : m_near)
+		if (!m_surface.within(inner + along * 0.5, norm(along) * 0.5, kMost, cuts.near)) return;
+		for (const auto& [distance, index] : cuts.near)
 		{
 			const auto& t = m_surface.mesh().triangles[index];
 			const Vec3 a = m_surface.mesh().vertices[t[0]];
@@ -204,42 +269,52 @@ private:
 			if ((from > 0) == (to > 0)) continue;
 			const Vec3 x = inner - a + along * (from / (from - to));
 			const double n2 = squaredNorm(n), v = dot(cross(x, ac), n), w = dot(cross(ab, x), n);
-			if (v < 0 || w < 0 || v + w > n2) continue;
-			if (cut >= 0) return -1;
-			cut = from / (from - to);
+			if (v >= 0 && w >= 0 && v + w <= n2) cuts.shares.push_back(from / (from - to));
 		}
-		return cut;
+		std::sort(cuts.shares.begin(), cuts.shares.end());
 	}
 
-	Vec3 crossing(const Vec3& inner, const Vec3& outer)
+	/// The first point behind which the edge is outside. The side changes at triangles only, except where the surface is open.
+	Vec3 crossing(const Vec3& inner, const Vec3& outer, Cuts& cuts) const
 	{
-		if (const double cut = onlyCut(inner, outer); cut >= 0) return inner + (outer - inner) * std::clamp(cut, kMargin, 1 - kMargin);
+		const Vec3 along = outer - inner;
+		const auto at = [&](double share) { return inner + along * std::clamp(share, kMargin, 1 - kMargin); };
+		findCuts(inner, outer, cuts);
+		for (size_t i = 0; i + 1 < cuts.shares.size(); ++i)
+		{
+			const double here = cuts.shares[i], next = cuts.shares[i + 1];
+			// Of cuts in one place, like those of two triangles at their common edge, the last one decides.
+			if (next - here < kMargin) continue;
+			if (!m_surface.contains(inner + along * (0.5 * (here + next)))) return at(here);
+		}
+		if (!cuts.shares.empty()) return at(cuts.shares.back());
 		double low = 0, high = 1;
 		for (int i = 0; i < kBisections; ++i)
 		{
 			const double middle = 0.5 * (low + high);
-			(m_surface.contains(inner + (outer - inner) * middle) ? low : high) = middle;
+			(m_surface.contains(inner + along * middle) ? low : high) = middle;
 		}
-		return inner + (outer - inner) * std::clamp(0.5 * (low + high), kMargin, 1 - kMargin);
+		return at(0.5 * (low + high));
 	}
 
 	MeshDistance m_surface;
 	const Progress& m_progress;
+	[[maybe_unused]] int m_threads;
 	double m_step = 0, m_fraction = 0;
 	Vec3 m_origin;
 	Node m_nodes{};
 	std::vector<uint8_t> m_side, m_visited;  // sides of nodes; visited cells, each numbered as its lowest node
-	std::vector<Node> m_open;
-	std::vector<std::pair<double, uint32_t>> m_near;
+	std::vector<Node> m_open, m_asked;
+	std::vector<std::pair<Node, Node>> m_edges;  // inner and outer node of each vertex
 	std::unordered_map<uint64_t, uint32_t> m_vertexOf;
 	Mesh m_result;
 };
 }  // namespace
 
-Result<Mesh> wrapSurface(const Mesh& mesh, int cells, const Progress& progress)
+Result<Mesh> wrapSurface(const Mesh& mesh, int cells, const Progress& progress, int threads)
 {
 	if (mesh.triangles.empty() || !(bounds(mesh).longestSide() > 0)) return Mesh{};
-	Wrapper wrapper(mesh, cells, progress);
+	Wrapper wrapper(mesh, cells, progress, threads);
 	if (!wrapper.run()) return Error{"the repair was cancelled", true};
 	return wrapper.take();
 }

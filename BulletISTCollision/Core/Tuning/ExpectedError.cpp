@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/Force/PressureField.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <random>
 #include <string>
@@ -57,12 +58,24 @@ double expectedForceError(const InnerSphereTree& tree, double fraction, int pose
 
 Result<InnerSphereTree> buildTreeToError(const Mesh& mesh, double error, const BuildOptions& options, BuildTimes* times)
 {
+	const auto start = std::chrono::steady_clock::now();
+	const Result<RepairedMesh> repaired = repairToBuild(mesh, options);
+	if (!repaired) return repaired.error();
+	const double repairing = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+	Result<InnerSphereTree> tree = buildRepairedToError(mesh, repaired.value(), error, options, times);
+	if (times) times->setup += repairing;
+	return tree;
+}
+
+Result<InnerSphereTree> buildRepairedToError(
+	const Mesh& mesh, const RepairedMesh& repaired, double error, const BuildOptions& options, BuildTimes* times)
+{
 	if (const Result<InstructionSet> chosen = chosenInstructionSet(); !chosen) return chosen.error();
 	BuildOptions attempt = options;
 	attempt.maxSpheres = std::min(kFirstSpheres, options.maxSpheres);
 	for (;;)
 	{
-		Result<InnerSphereTree> tree = buildTree(mesh, attempt, times);
+		Result<InnerSphereTree> tree = buildRepaired(mesh, repaired, attempt, times);
 		if (!tree) return tree;
 		const double reached = expectedForceError(tree.value(), kOverlap, kPoses, kSeed);
 		if (reached < 0)

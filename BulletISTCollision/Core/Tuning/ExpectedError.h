@@ -13,4 +13,7 @@ double expectedForceError(const InnerSphereTree& tree, double fraction, int pose
 /// Builds trees with increasing numbers of spheres, up to `options.maxSpheres`, until `expectedForceError` at 1 % overlap is at most
 /// `error` (0..1), and returns that tree. If even the largest number is not enough, the error message says what was reached.
 Result<InnerSphereTree> buildTreeToError(const Mesh& mesh, double error, const BuildOptions& options, BuildTimes* times = nullptr);
+/// The stages of `buildTreeToError` behind the repair. `repaired`: result of repairToBuild() for `mesh` with the same options.
+Result<InnerSphereTree> buildRepairedToError(
+	const Mesh& mesh, const RepairedMesh& repaired, double error, const BuildOptions& options, BuildTimes* times = nullptr);
 }  // namespace ist

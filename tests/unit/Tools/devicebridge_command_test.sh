@@ -50,6 +50,10 @@ says()
 expect "no command" 2 "$bridge"
 expect "help" 0 "$bridge" --help
 expect "version" 0 "$bridge" --version
+expect "list as text" 0 "$bridge" list
+grep -q '^  sim:touchx  *3D Systems  *Touch X$' "$dir/out" || { echo "FAILED list as text"; failures=$((failures + 1)); }
+expect "unknown command" 2 "$bridge" lits
+grep -q 'the nearest is "list"' "$dir/err" || { echo "FAILED unknown command"; failures=$((failures + 1)); }
 expect "list" 0 "$bridge" list --json
 holds "list" 'r["schema"] == 1 and {"sim:", "replay:"} <= {d["scheme"] for d in r["drivers"]} and len(r["devices"]) >= 15'
 expect "info" 0 "$bridge" info sim:touchx --json

@@ -205,7 +205,7 @@ TEST(MeshImport, FoldersEmptyFilesAndWrongNamesAreToldApart)
 	EXPECT_NE(refusal(::testing::TempDir()).find(": it is a folder; name a file in it"), std::string::npos);
 	EXPECT_NE(refusal(TemporaryFile("", ".stl").path()).find(": it is empty (0 bytes); export"), std::string::npos);
 	const std::string wrong = refusal(TemporaryFile(kCube, ".stl").path());
-	EXPECT_NE(wrong.find("of another one than its name ends with"), std::string::npos) << wrong;
+	EXPECT_NE(wrong.find("of another format than its name ends with"), std::string::npos) << wrong;
 	EXPECT_EQ(wrong.find(".;"), std::string::npos) << wrong;
 }
 

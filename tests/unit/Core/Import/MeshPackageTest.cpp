@@ -65,3 +65,21 @@ TEST(MeshPackage, ObjectsOfOneIdLeaveNoGap)
 	ASSERT_TRUE(mesh) << mesh.error().message;
 	EXPECT_EQ(mesh.value().triangles.size(), 12u);
 }
+
+// A wrong checksum ended the process, whichever file of the package had it.
+TEST(MeshPackage, DamageOfAnyByteIsSurvived)
+{
+	const std::string whole = packageText(modelText(kBox, kUnit), {{"Metadata/thumbnail.png", kPicture}});
+	ASSERT_TRUE(read(whole));
+	int refused = 0;
+	for (std::size_t at = 0; at < whole.size(); ++at)
+	{
+		std::string damaged = whole;
+		damaged[at] = static_cast<char>(damaged[at] ^ 1 << at % 8);
+		const Result<Mesh> mesh = read(damaged);
+		if (mesh) continue;
+		++refused;
+		EXPECT_FALSE(mesh.error().message.empty());
+	}
+	EXPECT_GT(refused, int(whole.size() / 2));
+}

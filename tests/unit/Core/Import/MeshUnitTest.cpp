@@ -113,6 +113,17 @@ TEST(MeshUnit, WhatTheFileStatesIsAppliedOnce)
 	}
 }
 
+TEST(MeshUnit, AxesAreThoseOfTheFileWhateverItStatesToBeUp)
+{
+	for (const char* up : {"Y_UP", "Z_UP", "X_UP"})
+	{
+		const Result<Mesh> mesh = read(collada("<unit meter=\"1\"/>", up), ".dae");
+		ASSERT_TRUE(mesh) << mesh.error().message;
+		const Box is = bounds(mesh.value()), wanted = bounds(box());
+		EXPECT_LT(norm(is.lower - wanted.lower) + norm(is.upper - wanted.upper), 1e-6) << up;
+	}
+}
+
 TEST(MeshUnit, AGivenUnitTakesItsPlaceAndIsTold)
 {
 	for (const Stated& file : statedUnits())

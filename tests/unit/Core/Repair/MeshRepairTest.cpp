@@ -239,6 +239,18 @@ TEST(MeshRepair, WhatIsRefusedIsNamedTruly)
 	expectRefused(broken, "m, beside (");
 }
 
+TEST(MeshRepair, TheHoleOfAFlatSheetIsNoDoubt)
+{
+	Mesh sheet;
+	sheet.vertices = {{-50, -50, -2}, {50, -50, -2}, {50, 50, -2}, {-50, 50, -2}};
+	sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+	const Mesh body = makeTorusMesh(1, 0.4, 20, 12);
+	const Result<RepairedMesh> repaired = repair(joined(body, sheet));
+	ASSERT_TRUE(repaired) << repaired.error().message;
+	EXPECT_NEAR(repaired.value().volumeAfter, massProperties(body).volume, 1e-9);
+	EXPECT_EQ(repaired.value().volumeDoubt, 0);
+}
+
 // At this distance neighbouring coordinates are 16 m apart.
 TEST(MeshRepair, EndsVeryFarFromTheOrigin)
 {

@@ -2,7 +2,9 @@
 #include "BulletISTCollision/Core/Repair/MeshShells.h"
 #include "tests/unit/Core/Repair/RepairChecks.h"
 
+#include <cmath>
 #include <random>
+#include <tuple>
 #include <utility>
 
 using namespace ist;
@@ -49,6 +51,33 @@ TEST(MeshShells, ALayerIsSettledAlikeAndAtOnceInAnyPlane)
 			EXPECT_LT(verdict.compared, 2 * kRow * kRow * kRow) << plane;
 		}
 		for (Vec3& v : layer.vertices) v = {v.z, v.x, v.y};
+	}
+}
+
+TEST(MeshShells, ABodyInACavityIsKeptAlsoWhereItTouchesTheWall)
+{
+	std::mt19937 random(9);
+	std::uniform_real_distribution<double> turn(-2, 2);
+	const Mesh cavity = insideOut(makeBoxMesh({0.5, 0.5, 0.5}));
+	for (int i = 0; i < 3; ++i)
+	{
+		const Pose X =
+			i == 0 ? Pose{} : Pose{rotationMatrix(quaternionFromRotationVector({turn(random), turn(random), turn(random)})), {7, 1, -900}};
+		// The body fills the cavity, has play in it, touches one wall, or reaches 0.01 m into a wall, which is 0.125 % of the volume.
+		for (const auto& [half, moved, volume, tolerance] : {std::tuple{0.5, 0.0, 8.0, 1e-6}, {0.499, 0.0, 7.0 + std::pow(0.998, 3), 1e-6},
+				 {0.25, 0.25, 7.125, 1e-6}, {0.25, 0.26, 7.125, 0.004}, {0.5, 0.01, 8.0, 1e-6}})
+		{
+			Mesh body = translated(makeBoxMesh({half, half, half}), {moved, 0, 0});
+			for (const bool isFirst : {false, true})
+			{
+				const Mesh parts = isFirst ? joined(body, cavity) : joined(cavity, body);
+				expectVolume(transformed(joined(kBox, parts), X), volume, tolerance);
+				expectVolume(transformed(joined(parts, kBox), X), volume, tolerance);
+			}
+		}
+		// A body in the solid material beside the cavity is still one too many.
+		const Mesh beside = translated(makeBoxMesh({0.1, 0.1, 0.1}), {0.8, 0, 0});
+		expectVolume(transformed(joined(joined(kBox, cavity), beside), X), 7, 1e-6);
 	}
 }
 

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Mesh/MeshAxes.h"
+
+#include <array>
+
+namespace ist
+{
+std::optional<SignedAxis> signedAxis(std::string_view text)
+{
+	SignedAxis result;
+	if (text.starts_with('-')) result.sign = -1;
+	if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
+	if (text.size() != 1 || (text[0] | 0x20) < 'x' || (text[0] | 0x20) > 'z') return std::nullopt;
+	result.axis = (text[0] | 0x20) - 'x';
+	return result;
+}
+
+Mesh turnedUp(Mesh mesh, SignedAxis from, SignedAxis to)
+{
+	if (from.axis == to.axis && from.sign == to.sign) return mesh;
+	for (Vec3& v : mesh.vertices)
+	{
+		std::array<double, 3> p = {v.x, v.y, v.z};
+		const auto f = static_cast<size_t>(from.axis), t = static_cast<size_t>(to.axis);
+		if (f == t)
+		{
+			p[f] = -p[f];
+			p[(f + 2) % 3] = -p[(f + 2) % 3];
+		}
+		else
+		{
+			const double along = from.sign * p[f], across = to.sign * p[t];
+			p[t] = to.sign * along;
+			p[f] = -from.sign * across;
+		}
+		v = {p[0], p[1], p[2]};
+	}
+	return mesh;
+}
+}  // namespace ist

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "BulletISTCollision/Core/Mesh/Mesh.h"
+
+#include <optional>
+#include <string_view>
+
+namespace ist
+{
+/// A direction along an axis.
+struct SignedAxis
+{
+	int axis = 1;  ///< 0: x, 1: y, 2: z
+	int sign = 1;  ///< 1 or -1
+};
+
+/// Reads "x", "+y" or "-z". Empty optional for other texts.
+std::optional<SignedAxis> signedAxis(std::string_view text);
+
+/// The mesh, turned so that what pointed along `from` points along `to`: by a quarter turn about the axis that is neither, or by a half
+/// turn if they are opposite. Coordinates change places and signs only, so nothing is rounded.
+Mesh turnedUp(Mesh mesh, SignedAxis from, SignedAxis to);
+}  // namespace ist

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Repair/MeshProbes.h"
+#include "tests/unit/Core/Repair/RepairChecks.h"
+
+#include <cmath>
+#include <random>
+
+using namespace ist;
+
+namespace
+{
+/// Two boxes of these half extents, one moved along x. What lies in both is counted twice: a closed form.
+Mesh overlapping(const Vec3& half, double move) { return joined(makeBoxMesh(half), translated(makeBoxMesh(half), {move, 0, 0})); }
+
+double shareOfOverlap(const Vec3& half, double move)
+{
+	const double both = 2 * half.x - move;
+	return both / (2 * half.x + move);
+}
+}  // namespace
+
+TEST(MeshProbes, WhatIsCountedTwiceIsMeasuredByVolume)
+{
+	std::mt19937 random(3);
+	std::uniform_real_distribution<double> turn(-3, 3);
+	for (const Vec3& half : {Vec3{1, 1, 1}, Vec3{1, 0.7, 0.01}, Vec3{1, 1, 1e-4}, Vec3{0.02, 1, 0.03}})
+		for (const double share : {0.01, 0.1, 0.5, 1.0, 1.9})
+		{
+			const double move = share * half.x, wanted = shareOfOverlap(half, move);
+			const Mesh mesh = overlapping(half, move);
+			EXPECT_NEAR(miscountedShare(mesh, 256), wanted, 0.02 * wanted + 0.005) << half.z << " " << share;
+			const Pose X{rotationMatrix(quaternionFromRotationVector({turn(random), turn(random), turn(random)})), {1000, -20, 3}};
+			EXPECT_NEAR(miscountedShare(transformed(mesh, X), 256), wanted, 0.04 * wanted + 0.01) << half.z << " " << share << " turned";
+		}
+}
+
+TEST(MeshProbes, BodiesApartNestedAndEmptyAreCountedRight)
+{
+	const Mesh box = makeBoxMesh({1, 1, 1});
+	EXPECT_EQ(miscountedShare(box, 64), 0);
+	EXPECT_EQ(miscountedShare(joined(box, translated(box, {3, 0, 0})), 64), 0);
+	EXPECT_EQ(miscountedShare(joined(box, insideOut(makeBoxMesh({0.5, 0.5, 0.5}))), 64), 0) << "a cavity";
+	EXPECT_NEAR(miscountedShare(joined(box, makeBoxMesh({0.5, 0.5, 0.5})), 256), 0.125, 0.002) << "a body in solid material";
+	EXPECT_TRUE(std::isinf(miscountedShare(insideOut(box), 64)));
+	EXPECT_NEAR(miscountedShare(makeSphereMesh(1, 5), 128), 0, 1e-12);
+	// Lines that meet edges and corners.
+	EXPECT_NEAR(miscountedShare(translated(box, {-0.3819660112501051 * 2 / 64, 0, 0}), 64), 0, 1e-12);
+}
