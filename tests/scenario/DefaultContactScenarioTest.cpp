@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "tests/NotchedBeam.h"
 #include "tests/scenario/VolumetricScene.h"
+#include "tests/unit/NotchedBeam.h"
 
 #include <map>
 #include <string>

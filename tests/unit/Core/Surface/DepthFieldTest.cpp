@@ -3,7 +3,7 @@
 
 #include "BulletISTCollision/Core/Base/CounterRandom.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
-#include "tests/NotchedBeam.h"
+#include "tests/unit/NotchedBeam.h"
 
 #include <gtest/gtest.h>
 
