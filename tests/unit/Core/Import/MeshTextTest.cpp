@@ -216,7 +216,8 @@ TEST(MeshText, NumbersAreReadWhole)
 {
 	const double infinite = std::numeric_limits<double>::infinity();
 	const std::pair<const char*, double> good[] = {{"1", 1}, {"+2.5e-1", 0.25}, {"-3,5", -3.5}, {".5", 0.5}, {"5.", 5}, {"inf", infinite},
-		{"1e999", infinite}, {"-1e999", -infinite}, {"1e-999", 0}, {"0.0000000001e-400", 0}};
+		{"1e999", infinite}, {"-1e999", -infinite}, {"1.5e400", infinite}, {"-1.5E+400", -infinite}, {"0,5e400", infinite}, {"1.5e-400", 0},
+		{"1e-999", 0}, {"0.0000000001e-400", 0}};
 	for (const auto& [word, value] : good) EXPECT_EQ(numberInText(word), value) << word;
 	EXPECT_TRUE(std::isnan(numberInText("nan").value_or(0)));
 	for (const char* word : {"", "+", "++1", "+-1x", "-1.#IND", "1.5f", "0x10", "one", "1,2,3", "1 2"})
