@@ -2,16 +2,17 @@
 # Assets as part of a build:
 #
 #   bullethaptics_add_assets(<target> MESHES <file>...
-#     [SPHERES n] [FILL f] [MIN_RADIUS m] [ERROR e] [UNIT m|cm|mm|um|in|ft|metres] [UP axis] [REPAIR auto|off|wrap] [SEED n]
-#     [THREADS n] [OUTPUT_DIRECTORY <folder>] [DEPENDS <file>...])
+#     [SPHERES n] [FILL f] [MIN_RADIUS m] [ERROR e] [UNIT m|cm|mm|um|in|ft|metres] [UP axis] [REPAIR auto|off|wrap]
+#     [ACCEPT_DOUBT] [SEED n] [THREADS n] [OUTPUT_DIRECTORY <folder>] [DEPENDS <file>...])
 #
 # Adds <target>, part of ALL, which packs each mesh into <folder>/<name>.ist (default folder: the current binary directory). The
 # assets build side by side, one thread each unless THREADS says otherwise, and again only when the mesh, a file in DEPENDS, a
 # setting or the `ist` command changed. A mesh that repair changed is named in the build's output, with what was done. The target
-# property BULLETHAPTICS_ASSETS lists the files. Settings mean what they mean to `ist build`.
+# property BULLETHAPTICS_ASSETS lists the files. Settings mean what they mean to `ist build`:
+# with ACCEPT_DOUBT it also builds meshes of which repair may have guessed more than half of the volume (--accept-doubt).
 function(bullethaptics_add_assets target)
 	set(settings SPHERES FILL MIN_RADIUS ERROR UNIT UP REPAIR SEED)
-	cmake_parse_arguments(PARSE_ARGV 1 arg "" "${settings};THREADS;OUTPUT_DIRECTORY" "MESHES;DEPENDS")
+	cmake_parse_arguments(PARSE_ARGV 1 arg "ACCEPT_DOUBT" "${settings};THREADS;OUTPUT_DIRECTORY" "MESHES;DEPENDS")
 	if(arg_UNPARSED_ARGUMENTS OR arg_KEYWORDS_MISSING_VALUES OR NOT arg_MESHES)
 		message(FATAL_ERROR "bullethaptics_add_assets(${target}): cannot make sense of \"${ARGN}\"")
 	endif()
@@ -34,6 +35,10 @@ function(bullethaptics_add_assets target)
 			list(APPEND options ${option} "${arg_${setting}}")
 		endif()
 	endforeach()
+
+	if(arg_ACCEPT_DOUBT)
+		list(APPEND options --accept-doubt)
+	endif()
 
 	set(assets "")
 	foreach(mesh ${arg_MESHES})

@@ -32,15 +32,18 @@ std::string bytesText(double bytes)
 std::string numberWord(const JsonValue& value, std::string_view unit)
 {
 	if (value.kind() != JsonValue::Kind::Real) return value.dump();
-	return std::isfinite(value.number()) ? sixDigits((unit == "%" ? 100 : 1) * value.number()) : std::string(kNone);
+	return sixDigits((unit == "%" ? 100 : 1) * value.number());
 }
+
+/// Whether there is nothing to print: null, or a number that is not finite.
+bool isNone(const JsonValue& value) { return value.isNull() || (value.kind() == JsonValue::Kind::Real && !std::isfinite(value.number())); }
 
 std::string joined(const JsonValue& list, std::string_view unit);
 
 /// A value on one line, without its unit.
 std::string word(const JsonValue& value, std::string_view unit)
 {
-	if (value.isNull()) return std::string(kNone);
+	if (isNone(value)) return std::string(kNone);
 	if (value.isFlag()) return value.flag() ? "yes" : "no";
 	if (value.isText()) return value.text();
 	if (value.isNumber()) return unit == "B" ? bytesText(value.number()) : numberWord(value, unit);
@@ -171,7 +174,7 @@ std::string readableText(const JsonValue& report, UnitOf unitOf)
 			for (const JsonValue& sentence : value) lines += under + sentence.text() + "\n";
 		else if (isList && value[0].isNumber() && !matrix(value).empty())
 			lines = (unit.empty() ? "" : under + "[" + unit + "]\n") + aligned(matrix(value), under);
-		else lines = under + word(value, unit) + (unit.empty() || unit == "B" || value.isNull() ? "" : " " + unit) + "\n";
+		else lines = under + word(value, unit) + (unit.empty() || unit == "B" || isNone(value) ? "" : " " + unit) + "\n";
 		text += head + lines.substr(under.size());
 	}
 	return text;

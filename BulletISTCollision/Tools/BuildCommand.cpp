@@ -77,16 +77,16 @@ BuildOptions buildOptions(const BuildArguments& a, double unit, const Progress& 
 /// Shares of the volume that repair guessed: said from the first on, and refused from the second on.
 constexpr double kSaidDoubt = 0.05, kMostDoubt = 0.5;
 
-/// Warns with one line on stderr, in place of the report, if the packed body differs from what the file described. Users search the logs
-/// of build farms for such lines.
+/// Warns with one line on stderr, in place of the report, if the packed body differs from what the file described, or may differ. Users
+/// search the logs of build farms for such lines.
 void warnOfRepair(const std::string& path, const Mesh& mesh, const InnerSphereTree& tree, double doubt)
 {
 	const double change = volumeChange(tree);
-	if (mesh.notTaken.empty() && tree.provenance.watertight && std::fabs(change) <= kNoticedChange) return;
+	if (mesh.notTaken.empty() && tree.provenance.watertight && std::fabs(change) <= kNoticedChange && doubt <= kSaidDoubt) return;
 	char text[64] = "";
 	if (std::isfinite(change)) std::snprintf(text, sizeof text, ", volume %+.3g %%", 100 * change);
 	std::string line = "warning: " + path + ": repaired" + text;
-	if (doubt > kSaidDoubt) line += ", of which " + ist::number(std::ceil(100 * doubt)) + " % is in doubt";
+	if (doubt > kSaidDoubt) line += ", " + ist::number(std::ceil(100 * doubt)) + " % of the volume is in doubt";
 	line += ":";
 	for (const std::string& action : tree.provenance.repair) line += " " + action;
 	fail(line, kGood);
@@ -135,7 +135,8 @@ int runBuild(const BuildArguments& a)
 	const auto repairStart = seconds();
 	const Result<RepairedMesh> repaired = repairToBuild(mesh.value(), options);
 	const double repairSeconds = seconds() - repairStart;
-	if (repaired && shareInDoubt(repaired.value()) > kMostDoubt && !a.acceptDoubt)
+	// With --repair wrap the doubt comes from the cells of the grid alone, which the user asked for.
+	if (repaired && shareInDoubt(repaired.value()) > kMostDoubt && !a.acceptDoubt && options.repair != RepairMode::Wrap)
 	{
 		end(false);
 		return fail(a.mesh + ": " + doubtWords(repaired.value()) + "; close the mesh in a modelling program, or build it all the same " +

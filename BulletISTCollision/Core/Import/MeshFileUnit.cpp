@@ -102,9 +102,10 @@ Result<MeshFileHead> headOfArchive(const std::string& path, const ZipArchive& ar
 	const std::optional<std::string> model = name ? archive.read(*name) : std::nullopt;
 	if (name && (!model || model->empty()))
 		return Error{"cannot read " + path + ": its model \"" + *name + "\" is missing or damaged; export the mesh again"};
-	// Assimp ends the process on a file whose checksum is wrong, and it opens more files than the model. Of AMF it reads none itself.
-	for (const std::string& other : archive.names())
-		if (ending != ".amf" && !other.empty() && other.back() != '/' && !archive.read(other))
+	// Assimp ends the process on a file whose checksum is wrong, and it opens more files than the model. We give it the text of an AMF
+	// file, so that it opens no archive there. Each file is checked by its index, because two may have the same name.
+	for (size_t i = 0; i < archive.names().size() && ending != ".amf"; ++i)
+		if (const std::string& other = archive.names()[i]; !other.empty() && other.back() != '/' && !archive.read(i))
 			return Error{"cannot read " + path + ": \"" + other +
 				"\" in it is damaged, or packed in a way that is not known; export the mesh again"};
 	if (model)
@@ -112,7 +113,7 @@ Result<MeshFileHead> headOfArchive(const std::string& path, const ZipArchive& ar
 		XmlTags tags(*model);
 		return MeshFileHead{namedUnit("3MF", kUnitsOf3mf, tags.next() ? tags.attribute("unit") : std::nullopt), {}};
 	}
-	if (ending != ".zae" && ending != ".amf" && ending != ".pk3")
+	if (ending == ".3mf")
 		return Error{"cannot read " + path + ": it is an archive that names no model, so it is no whole 3MF file; export the mesh again"};
 	for (const std::string& name : archive.names())
 	{

@@ -97,7 +97,8 @@ std::optional<double> numberInText(std::string_view word)
 	const std::from_chars_result read = std::from_chars(text, end, value);
 	if (read.ptr != end || read.ec == std::errc::invalid_argument) return std::nullopt;
 	if (read.ec != std::errc::result_out_of_range) return value;
-	const bool isSmall = word.find("e-") != word.npos || word.find("E-") != word.npos || word.substr(0, 3).find('.') != word.npos;
+	// A word of kLongest digits is in range without its exponent, so that the sign of the exponent tells small from large.
+	const bool isSmall = word.find("e-") != word.npos || word.find("E-") != word.npos;
 	const double size = isSmall ? 0 : std::numeric_limits<double>::infinity();
 	return word.front() == '-' ? -size : size;
 }

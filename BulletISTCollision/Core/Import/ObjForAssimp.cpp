@@ -29,9 +29,9 @@ public:
 		++m_number;
 		return true;
 	}
-	/// With its end.
+	/// The line with its end.
 	std::string_view line() const { return m_line; }
-	/// Without its end and the blanks in front.
+	/// The line without its end and without the blanks in front.
 	std::string_view content() const { return m_content.substr(std::min(m_content.find_first_not_of(kBlanks), m_content.size())); }
 	bool isIndented() const { return !m_continues && m_content.find_first_not_of(kBlanks) != 0 && !content().empty(); }
 	/// Whether it belongs to the line before it, which ends with a backslash.

@@ -40,36 +40,50 @@ bool isIndented(std::string_view text)
 	return !text.empty() && (kBlanks.find(text[0]) != kBlanks.npos || text.find("\n ") != text.npos || text.find("\n\t") != text.npos);
 }
 
+/// The position of a word that is the first of its line, at or after `from`; npos if there is none.
+size_t findFirstWord(std::string_view text, std::string_view word, size_t from = 0)
+{
+	for (size_t at = from; (at = text.find(word, at)) != text.npos; at += word.size())
+	{
+		const size_t before = text.substr(0, at).find_last_not_of(kBlanks);
+		if (before == text.npos || kLineEnds.find(text[before]) != kLineEnds.npos) return at;
+	}
+	return text.npos;
+}
+
 /// The first element before the faces that assimp does not know; empty if there is none.
 std::string unknownElement(std::string_view head)
 {
-	for (size_t at = 0; (at = head.find(kElement, at)) != head.npos;)
+	for (size_t at = 0; (at = findFirstWord(head, kElement, at)) != head.npos;)
 	{
-		const bool startsLine = at == 0 || kLineEnds.find(head[at - 1]) != kLineEnds.npos;
 		at += kElement.size();
 		const std::string_view name = head.substr(at, std::min(head.find_first_of(" \t\r\n", at), head.size()) - at);
-		if (!startsLine) continue;
 		if (name == "face") break;
 		if (std::ranges::find(kKnown, name) == kKnown.end()) return std::string(name);
 	}
 	return {};
 }
-}  // namespace
 
-Result<std::optional<std::string>> plyForAssimp(std::string_view bytes)
+/// The position behind the line end of the last line of the head. Blanks may stand before the line end.
+size_t bodyOf(std::string_view bytes, size_t endOfHead)
+{
+	const size_t at = bytes.find_first_not_of(kBlanks, endOfHead);
+	if (at == bytes.npos || kLineEnds.find(bytes[at]) == kLineEnds.npos) return bytes.size();
+	return at + (bytes.substr(at, 2) == kLineEnds ? 2 : 1);
+}
+
+/// As plyForAssimp(), for a file without a byte order mark.
+Result<std::optional<std::string>> plainForAssimp(std::string_view bytes)
 {
 	const std::optional<std::string> same;
-	if (needsUtf8(bytes)) return std::optional(withoutIndentation(utf8Text(bytes)));
-	const size_t end = bytes.find(kEndOfHead);
+	const size_t end = findFirstWord(bytes, kEndOfHead);
 	if (end == bytes.npos) return same;
 	const std::string_view head = bytes.substr(0, end);
-	if (head.find(kBinary) == head.npos) return isIndented(bytes) ? std::optional(withoutIndentation(bytes)) : same;
+	if (findFirstWord(head, kBinary) == head.npos) return isIndented(bytes) ? std::optional(withoutIndentation(bytes)) : same;
 	if (const std::string name = unknownElement(head); !name.empty())
 		return Error{"it is binary and has an element \"" + name +
 			"\" before its faces, which the reader does not know; export it without that, or as ASCII"};
-	size_t body = end + kEndOfHead.size();
-	body += bytes.substr(body, 2) == kLineEnds ? 2 : 1;
-	const size_t element = head.find(kElement);
+	const size_t body = bodyOf(bytes, end + kEndOfHead.size()), element = findFirstWord(head, kElement);
 	if (body >= bytes.size() || !isBlank(bytes[body]) || element == head.npos) return same;
 	std::string out;
 	out.reserve(bytes.size() + kFiller.size() + 1);
@@ -79,5 +93,15 @@ Result<std::optional<std::string>> plyForAssimp(std::string_view bytes)
 		.append("x")
 		.append(bytes.substr(body));
 	return std::optional(std::move(out));
+}
+}  // namespace
+
+Result<std::optional<std::string>> plyForAssimp(std::string_view bytes)
+{
+	if (!needsUtf8(bytes)) return plainForAssimp(bytes);
+	std::string text = utf8Text(bytes);
+	Result<std::optional<std::string>> changed = plainForAssimp(text);
+	if (!changed || changed.value()) return changed;
+	return std::optional(std::move(text));
 }
 }  // namespace ist

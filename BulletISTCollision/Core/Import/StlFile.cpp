@@ -62,20 +62,21 @@ Result<Mesh> readTriangles(std::string_view bytes, size_t count, const GoesOn& g
 	return mesh;
 }
 
-/// Whether each edge of a triangle runs the other way in another one. Positions are compared exactly.
-bool isClosed(const Mesh& mesh)
+/// Whether each edge of the first `count` triangles runs the other way in another one of them. Positions are compared exactly.
+bool isClosed(const Mesh& mesh, size_t count)
 {
 	const auto key = [](const Vec3& p) { return std::array{p.x, p.y, p.z}; };
 	using Corner = std::array<double, 3>;
 	std::map<std::pair<Corner, Corner>, int> open;
-	for (const auto& t : mesh.triangles)
+	for (size_t n = 0; n < count; ++n)
 		for (size_t i = 0; i < 3; ++i)
 		{
+			const auto& t = mesh.triangles[n];
 			const Corner from = key(mesh.vertices[t[i]]), to = key(mesh.vertices[t[(i + 1) % 3]]);
 			if (from == to) continue;
 			from < to ? ++open[{from, to}] : --open[{to, from}];
 		}
-	return !mesh.triangles.empty() && std::ranges::all_of(open, [](const auto& edge) { return edge.second == 0; });
+	return count > 0 && std::ranges::all_of(open, [](const auto& edge) { return edge.second == 0; });
 }
 
 bool isText(std::string_view bytes)
@@ -101,9 +102,16 @@ Result<Mesh> readBinary(std::string_view bytes, const GoesOn& goesOn)
 	if (count <= room)
 	{
 		const std::string_view behind = bytes.substr(kFirstTriangle + count * kTriangle);
-		const bool isLeftOut = behind.size() < kTriangle || (count > 0 && (isText(behind) || isPadding(behind)));
+		bool isLeftOut = behind.size() < kTriangle || (count > 0 && (isText(behind) || isPadding(behind)));
 		Result<Mesh> mesh = readTriangles(bytes, isLeftOut ? count : room, goesOn);
 		if (!mesh || behind.empty()) return mesh;
+		if (!isLeftOut && isClosed(mesh.value(), count))
+		{
+			// The counted triangles are a whole surface, so that what follows is a footer.
+			isLeftOut = true;
+			mesh.value().vertices.resize(3 * count);
+			mesh.value().triangles.resize(count);
+		}
 		mesh.value().notTaken.push_back(isLeftOut
 				? counted(behind.size(), "byte") + " behind the last triangle " + (behind.size() == 1 ? "was" : "were") + " left out."
 				: countTaken(count, room));
@@ -113,7 +121,7 @@ Result<Mesh> readBinary(std::string_view bytes, const GoesOn& goesOn)
 	if (rest != 0 || room == 0) return Error{wrong + ", so it is cut short: copy or export it again"};
 	Result<Mesh> mesh = readTriangles(bytes, room, goesOn);
 	if (!mesh) return mesh;
-	if (count != kUnknownCount && !isClosed(mesh.value()))
+	if (count != kUnknownCount && !isClosed(mesh.value(), room))
 		return Error{wrong + ", which enclose nothing, so it is cut short: copy or export it again"};
 	mesh.value().notTaken.push_back(countTaken(count, room));
 	return mesh;
@@ -134,21 +142,20 @@ public:
 		return m_text.substr(start, m_at - start);
 	}
 	/// Goes back to the beginning of a word.
-	void putBack(std::string_view word) { m_at = static_cast<size_t>(word.data() - m_text.data()); }
+	void putBack(std::string_view word) { m_at = positionOf(word); }
 	/// Skips a name. It ends with its line, or before "facet" if a whole facet follows in this line.
+	/// Cost of all calls together: O(size of the text), because the ends of the line and of the facet are remembered.
 	void skipName()
 	{
-		const size_t end = std::min(m_text.find_first_of("\r\n", m_at), m_text.size());
-		std::optional<std::string_view> facet;
-		for (;;)
+		if (m_lineEnd < m_at) m_lineEnd = std::min(m_text.find_first_of("\r\n", m_at), m_text.size());
+		const std::string_view facet = nextInLine("facet");
+		if (!facet.empty() && m_facetEnd <= m_at)
 		{
-			const std::string_view word = next();
-			if (word.empty() || word.data() >= m_text.data() + end) break;
-			const std::string plain = lower(word);
-			if (plain == "facet" && !facet) facet = word;
-			if (plain == "endfacet" && facet) return putBack(*facet);
+			const std::string_view end = nextInLine("endfacet");
+			m_facetEnd = end.empty() ? 0 : positionOf(end);
 		}
-		m_at = end;
+		if (!facet.empty() && m_facetEnd > positionOf(facet)) return putBack(facet);
+		m_at = m_lineEnd;
 	}
 	double share() const { return m_text.empty() ? 1 : double(m_at) / double(m_text.size()); }
 	/// Counted from 1. Cost: O(size of the text).
@@ -168,9 +175,22 @@ public:
 
 private:
 	static bool isBlank(char c) { return std::isspace(static_cast<unsigned char>(c)) != 0 || c == 0; }
+	size_t positionOf(std::string_view word) const { return static_cast<size_t>(word.data() - m_text.data()); }
+	/// The next such word before m_lineEnd, in lower or upper case; empty if there is none.
+	std::string_view nextInLine(std::string_view wanted)
+	{
+		for (;;)
+		{
+			const std::string_view word = next();
+			if (word.empty() || positionOf(word) >= m_lineEnd) return {};
+			if (lower(word) == wanted) return word;
+		}
+	}
 
 	std::string_view m_text;
 	size_t m_at = 0;
+	size_t m_lineEnd = 0;   ///< the first line end at or behind the position of the last call of skipName()
+	size_t m_facetEnd = 0;  ///< position of the "endfacet" that skipName() found last
 };
 
 /// Reads a text, facet by facet.

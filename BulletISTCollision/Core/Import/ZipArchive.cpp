@@ -104,7 +104,7 @@ std::optional<ZipArchive> ZipArchive::open(std::string_view bytes)
 	if (!contents) return std::nullopt;
 	ZipArchive archive;
 	archive.m_bytes = bytes;
-	uint64_t at = contents->at;
+	uint64_t at = contents->at, packed = 0;
 	for (uint64_t row = 0; row < contents->rows; ++row)
 	{
 		if (!isMark(bytes, at, kRowSize, kRowMark)) return std::nullopt;
@@ -114,6 +114,8 @@ std::optional<ZipArchive> ZipArchive::open(std::string_view bytes)
 		Place place{numberAt(bytes, at + 42, 4), numberAt(bytes, at + 20, 4), numberAt(bytes, at + 24, 4),
 			unsigned(numberAt(bytes, at + 10, 2)), uint32_t(numberAt(bytes, at + 16, 4)), nameSize, (numberAt(bytes, at + 8, 2) & 1) != 0};
 		takeZip64(bytes.substr(at + kRowSize + nameSize, extraSize), place.size, place.packed, place.head);
+		if (place.packed > bytes.size() - packed) return std::nullopt;
+		packed += place.packed;
 		place.head = place.head > bytes.size() ? place.head : place.head + contents->begin;
 		archive.m_names.push_back(nameInZip(std::string(bytes.substr(at + kRowSize, nameSize))));
 		archive.m_places.push_back(place);
@@ -135,8 +137,12 @@ bool ZipArchive::agrees(const Place& place) const
 std::optional<std::string> ZipArchive::read(std::string_view name) const
 {
 	const auto found = std::find(m_names.begin(), m_names.end(), name);
-	if (found == m_names.end()) return std::nullopt;
-	const Place& place = m_places[static_cast<size_t>(found - m_names.begin())];
+	return found == m_names.end() ? std::nullopt : read(static_cast<size_t>(found - m_names.begin()));
+}
+
+std::optional<std::string> ZipArchive::read(size_t index) const
+{
+	const Place& place = m_places[index];
 	if (place.encrypted || !isMark(m_bytes, place.head, kFileHead, kFileMark) || !agrees(place)) return std::nullopt;
 	const uint64_t start = place.head + kFileHead + numberAt(m_bytes, place.head + 26, 2) + numberAt(m_bytes, place.head + 28, 2);
 	if (!fits(m_bytes, start, place.packed)) return std::nullopt;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -13,14 +14,17 @@ namespace ist
 class ZipArchive
 {
 public:
-	/// Empty optional if the bytes are no zip archive, or if its table of contents is damaged.
+	/// Empty optional if the bytes are no zip archive, or if its table of contents is damaged. The packed files may not be larger together
+	/// than the archive: files that share their bytes would take time and memory of the square of its size.
 	static std::optional<ZipArchive> open(std::string_view bytes);
 
-	/// File names in the order of the table of contents, with slashes between folders and none in front.
+	/// File names in the order of the table of contents, with slashes between folders and none in front. Two files may have one name.
 	const std::vector<std::string>& names() const { return m_names; }
-	/// Content of a file; empty optional if there is no such file, or if it is damaged (its checksum is compared), encrypted or packed in
-	/// another way.
+	/// Content of the first file of a name; empty optional if there is no such file, or if it is damaged (its checksum is compared),
+	/// encrypted or packed in another way.
 	std::optional<std::string> read(std::string_view name) const;
+	/// Content of the file whose name is names()[index].
+	std::optional<std::string> read(size_t index) const;
 
 private:
 	struct Place

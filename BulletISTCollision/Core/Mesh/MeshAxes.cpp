@@ -18,20 +18,21 @@ std::optional<SignedAxis> signedAxis(std::string_view text)
 Mesh turnedUp(Mesh mesh, SignedAxis from, SignedAxis to)
 {
 	if (from.axis == to.axis && from.sign == to.sign) return mesh;
+	// A sum with 0.0 makes -0 to 0: the negative of 0 would be -0, which differs from 0 byte by byte.
 	for (Vec3& v : mesh.vertices)
 	{
 		std::array<double, 3> p = {v.x, v.y, v.z};
 		const auto f = static_cast<size_t>(from.axis), t = static_cast<size_t>(to.axis);
 		if (f == t)
 		{
-			p[f] = -p[f];
-			p[(f + 2) % 3] = -p[(f + 2) % 3];
+			p[f] = -p[f] + 0.0;
+			p[(f + 2) % 3] = -p[(f + 2) % 3] + 0.0;
 		}
 		else
 		{
 			const double along = from.sign * p[f], across = to.sign * p[t];
-			p[t] = to.sign * along;
-			p[f] = -from.sign * across;
+			p[t] = to.sign * along + 0.0;
+			p[f] = -from.sign * across + 0.0;
 		}
 		v = {p[0], p[1], p[2]};
 	}

@@ -19,6 +19,10 @@ namespace
 constexpr double kShift = 0.3819660112501051;
 /// Distance from an integer winding number that small holes and cracks cause.
 constexpr double kNearlyWhole = 0.25;
+/// Rows of parallel lines that are measured together. Their crossings are in memory, and those of other rows are not.
+constexpr int kBandRows = 8;
+
+using Triangle = std::array<uint32_t, 3>;
 
 /// Calls visit(point) for each grid point and returns the volume of a cell.
 template <class Visitor> double forEachProbe(const Mesh& mesh, int cells, Visitor visit)
@@ -34,12 +38,13 @@ template <class Visitor> double forEachProbe(const Mesh& mesh, int cells, Visito
 			for (int i = 0; i < count(0); ++i) visit(Vec3{at(0, i), at(1, j), at(2, k)});
 	return step * step * step;
 }
-/// Parallel lines through a closed mesh, on a square grid. Along each, the winding number changes where it passes a triangle.
+/// Parallel lines through a closed mesh, on a square grid. Along each, the winding number changes where it passes a triangle. The mesh must
+/// outlive this object.
 class Columns
 {
 public:
 	/// `cells`: lines along each of the two longer sides. They run along the shortest side, so that plates are met everywhere.
-	Columns(const Mesh& mesh, int cells)
+	Columns(const Mesh& mesh, int cells) : m_mesh(mesh)
 	{
 		const Box box = bounds(mesh);
 		const Vec3 size = box.size();
@@ -50,30 +55,47 @@ public:
 		if (!(m_step[0] > 0) || !(m_step[1] > 0)) return;
 		m_lower = box.lower;
 		m_cells = cells;
-		m_crossings.resize(size_t(cells) * size_t(cells));
-		for (const auto& t : mesh.triangles) addTriangle(mesh, t);
+		m_rows.reserve(mesh.triangles.size());
+		for (const auto& t : mesh.triangles) m_rows.push_back(linesBeside(t, 1));
 	}
 
 	double miscountedShare()
 	{
-		double inside = 0, wrong = 0;
-		for (std::vector<Crossing>& column : m_crossings)
-		{
-			std::sort(column.begin(), column.end());
-			int64_t winding = 0;
-			for (size_t i = 0; i + 1 < column.size(); ++i)
-			{
-				winding += column[i].second;
-				const double length = column[i + 1].first - column[i].first;
-				inside += winding > 0 ? length : 0;
-				wrong += double(std::abs(winding - (winding > 0))) * length;
-			}
-		}
-		return inside > 0 ? wrong / inside : std::numeric_limits<double>::infinity();
+		for (int row = 0; row < m_cells; row += kBandRows) measureBand(row, std::min(row + kBandRows, m_cells) - 1);
+		return m_inside > 0 ? m_wrong / m_inside : std::numeric_limits<double>::infinity();
 	}
 
 private:
 	using Crossing = std::pair<double, int>;  // position along the line, and the change of the winding number
+	struct Range
+	{
+		int first = 0, last = -1;
+	};
+
+	void measureBand(int firstRow, int lastRow)
+	{
+		m_crossings.resize(size_t(kBandRows) * size_t(m_cells));
+		for (std::vector<Crossing>& column : m_crossings) column.clear();
+		for (size_t i = 0; i < m_rows.size(); ++i)
+		{
+			const int first = std::max(m_rows[i].first, firstRow), last = std::min(m_rows[i].last, lastRow);
+			if (first <= last) addTriangle(m_mesh.triangles[i], first, last, firstRow);
+		}
+		for (std::vector<Crossing>& column : m_crossings) measure(column);
+	}
+
+	void measure(std::vector<Crossing>& column)
+	{
+		std::sort(column.begin(), column.end());
+		int64_t winding = 0;
+		for (size_t i = 0; i + 1 < column.size(); ++i)
+		{
+			winding += column[i].second;
+			const double length = column[i + 1].first - column[i].first;
+			m_inside += winding > 0 ? length : 0;
+			m_wrong += double(std::abs(winding - (winding > 0))) * length;
+		}
+	}
 
 	double at(size_t k, int i) const { return m_lower[m_across[k]] + (i + kShift) * m_step[k]; }
 
@@ -88,41 +110,48 @@ private:
 		return swapped ? -area : area;
 	}
 
-	void addTriangle(const Mesh& mesh, const std::array<uint32_t, 3>& t)
+	/// Lines of the grid that may pass a triangle: rows (k = 1), or lines of a row (k = 0).
+	Range linesBeside(const Triangle& t, size_t k) const
+	{
+		const auto v = [&](size_t i) { return m_mesh.vertices[t[i]][m_across[k]]; };
+		const double low = std::min({v(0), v(1), v(2)}), high = std::max({v(0), v(1), v(2)});
+		const double first = std::ceil((low - m_lower[m_across[k]]) / m_step[k] - kShift) - 1,
+					 last = std::floor((high - m_lower[m_across[k]]) / m_step[k] - kShift) + 1;
+		return {int(std::clamp(first, 0.0, double(m_cells))), int(std::clamp(last, -1.0, double(m_cells - 1)))};
+	}
+
+	/// Adds the crossings of a triangle with these rows. `bandRow`: the first row of the band.
+	void addTriangle(const Triangle& t, int firstRow, int lastRow, int bandRow)
 	{
 		double x[3], y[3], z[3];
 		for (size_t i = 0; i < 3; ++i)
 		{
-			const Vec3& v = mesh.vertices[t[i]];
+			const Vec3& v = m_mesh.vertices[t[i]];
 			x[i] = v[m_across[0]], y[i] = v[m_across[1]], z[i] = v[m_along];
 		}
-		const auto range = [&](size_t k, const double* v) {
-			const double low = std::min({v[0], v[1], v[2]}), high = std::max({v[0], v[1], v[2]});
-			const double first = std::ceil((low - m_lower[m_across[k]]) / m_step[k] - kShift) - 1,
-						 last = std::floor((high - m_lower[m_across[k]]) / m_step[k] - kShift) + 1;
-			return std::pair(int(std::clamp(first, 0.0, double(m_cells))), int(std::clamp(last, -1.0, double(m_cells - 1))));
-		};
-		const auto [firstX, lastX] = range(0, x);
-		const auto [firstY, lastY] = range(1, y);
-		for (int j = firstY; j <= lastY; ++j)
-			for (int i = firstX; i <= lastX; ++i)
+		const Range lines = linesBeside(t, 0);
+		for (int j = firstRow; j <= lastRow; ++j)
+			for (int i = lines.first; i <= lines.last; ++i)
 			{
 				const double px = at(0, i), py = at(1, j);
 				const double a = side(x[1], y[1], x[2], y[2], px, py), b = side(x[2], y[2], x[0], y[0], px, py),
 							 c = side(x[0], y[0], x[1], y[1], px, py);
 				if ((a > 0) != (b > 0) || (b > 0) != (c > 0)) continue;
 				// Seen from below, a line enters where the triangle faces down.
-				m_crossings[size_t(j) * size_t(m_cells) + size_t(i)].emplace_back(
+				m_crossings[size_t(j - bandRow) * size_t(m_cells) + size_t(i)].emplace_back(
 					(a * z[0] + b * z[1] + c * z[2]) / (a + b + c), a > 0 ? -1 : 1);
 			}
 	}
 
+	const Mesh& m_mesh;
 	int m_along = 0;
 	std::array<int, 2> m_across{};
 	int m_cells = 0;
 	std::array<double, 2> m_step{};
 	Vec3 m_lower;
+	std::vector<Range> m_rows;  // of each triangle
 	std::vector<std::vector<Crossing>> m_crossings;
+	double m_inside = 0, m_wrong = 0;
 };
 }  // namespace
 

@@ -42,6 +42,8 @@ constexpr int kProbes = 32;
 constexpr int kColumns = 256;
 /// Share of the volume. If less is counted wrongly, the surface stays as it is.
 constexpr double kHarmless = 0.01;
+/// Share of the volume that walls count twice if they differ by rounding only.
+constexpr double kRounding = 1e-6;
 /// Largest share of the inside that rebuilding may lose, however much is counted wrongly.
 constexpr double kMostLost = 0.5;
 /// Limits of the longest side of a tree [m]: the smallest spheres that the packer makes, and moments that fit into floats (kMostReach).
@@ -466,8 +468,8 @@ std::optional<Error> settleCuts(Attempt& attempt, const Mesh& welded, int64_t& c
 	cuts = countCuts(attempt.mesh, kMostCuts, threads);
 	if ((cuts == 0 && !attempt.mayOverlap) || !steps.reach(0.7)) return std::nullopt;
 	const double wrong = miscountedShare(attempt.mesh, kColumns);
-	// Shells may pass through one another without overlapping, like the links of a chain.
-	if (cuts == 0 && (wrong == 0 || std::isinf(wrong))) return std::nullopt;
+	// Shells may pass through one another without overlapping, like the links of a chain, or share a wall up to rounding.
+	if (cuts == 0 && (wrong < kRounding || std::isinf(wrong))) return std::nullopt;
 	const std::string found = cuts == 0 ? "shells that overlap"
 										: (cuts == kMostCuts ? "at least " : "") +
 			counted(cuts, "pair of triangles that cut each other", "pairs of triangles that cut each other");

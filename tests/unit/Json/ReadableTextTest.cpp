@@ -32,6 +32,20 @@ TEST(ReadableText, FieldsStandBelowEachOtherWithTheirUnits)
 		"kind       a word\n");
 }
 
+TEST(ReadableText, NumbersThatAreNotFiniteHaveNoUnit)
+{
+	for (const double value : {std::nan(""), HUGE_VAL, -HUGE_VAL})
+	{
+		const JsonValue report = {{"length", value}, {"share", value}, {"bytes", value}, {"time_us", value}, {"axes", {value, 1.0}}};
+		EXPECT_EQ(text(report),
+			"length  -\n"
+			"share   -\n"
+			"bytes   -\n"
+			"time    -\n"
+			"axes    (-, 1)\n");
+	}
+}
+
 TEST(ReadableText, ListsArePointsWordsSentencesAndMatrices)
 {
 	JsonValue report = {{"length", {0.5, -1.0, 2e-7}}, {"axes", {"x", "y"}}};

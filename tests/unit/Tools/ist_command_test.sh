@@ -166,8 +166,18 @@ for mode in auto wrap; do
 done
 # A farm that builds quietly hears of it; of a mesh that needed nothing, nothing.
 expect "build --quiet" 0 "$ist" build "$dir/holed.obj" -o "$dir/holed.ist" --spheres 50 --quiet
-says "build --quiet" "^ist: warning: .*/holed.obj: repaired, volume .* %, of which 36 % is in doubt: .*Closed 1 hole; .*volume changed from"
+says "build --quiet" "^ist: warning: .*/holed.obj: repaired, volume .* %, 36 % of the volume is in doubt: .*Closed 1 hole; .*volume changed from"
 [ "$(wc -l < "$dir/err")" -eq 1 ] && [ ! -s "$dir/out" ] || { echo "FAILED build --quiet: not one line"; failures=$((failures + 1)); }
+# A closed plate of one cell and a half. The grid that was asked for is not refused, and its doubt is said, also with --quiet.
+sed 's/^v \(.*\) \(.*\) 1$/v \1 \2 0.012/' "$dir/cube.obj" > "$dir/plate.obj"
+for more in "" "--quiet"; do
+	expect "build of a plate --repair wrap $more" 0 "$ist" build "$dir/plate.obj" -o "$dir/plate.ist" --spheres 50 --repair wrap $more
+	says "build of a plate --repair wrap $more" "^ist: warning: .*/plate.obj: .*\(6[0-9]\|7[0-9]\) %"
+done
+# The rebuilt volume is the file's up to the noticed change, and the doubt is said all the same.
+sed 's/^v \(.*\) \(.*\) 1$/v \1 \2 0.125/' "$dir/cube.obj" > "$dir/slab.obj"
+expect "build of a slab --repair wrap --quiet" 0 "$ist" build "$dir/slab.obj" -o "$dir/slab.ist" --spheres 50 --repair wrap --quiet
+says "build of a slab --repair wrap --quiet" "^ist: warning: .*/slab.obj: .*, [0-9]* % of the volume is in doubt"
 # What a file holds and cannot be taken is said before the repair, across the process that reads the file.
 {
 	printf 'ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n'

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Import/MeshFileUnit.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
@@ -14,9 +15,9 @@ using namespace ist;
 
 namespace
 {
-Result<Mesh> read(const std::string& bytes)
+Result<Mesh> read(const std::string& bytes, const std::string& ending = ".3mf")
 {
-	const std::string path = (std::filesystem::path(::testing::TempDir()) / ("ist_package_" + std::to_string(getpid()) + ".3mf")).string();
+	const std::string path = (std::filesystem::path(::testing::TempDir()) / ("ist_package_" + std::to_string(getpid()) + ending)).string();
 	std::ofstream(path, std::ios::binary) << bytes;
 	Result<Mesh> mesh = importMesh(path);
 	std::filesystem::remove(path);
@@ -64,6 +65,31 @@ TEST(MeshPackage, ObjectsOfOneIdLeaveNoGap)
 	const Result<Mesh> mesh = read(packageText(model));
 	ASSERT_TRUE(mesh) << mesh.error().message;
 	EXPECT_EQ(mesh.value().triangles.size(), 12u);
+}
+
+// The name that assimp sees is another one than ours, and so it opens the second file.
+TEST(MeshPackage, DamageOfAFileWithTheNameOfAnotherIsRefused)
+{
+	for (const char* name : {"/Metadata/note.txt", ".\\Metadata\\note.txt", "Metadata/note.txt"})
+	{
+		std::string bytes = packageText(modelText(kBox, kUnit), {{"Metadata/note.txt", "first"}, {name, "second"}});
+		EXPECT_TRUE(read(bytes)) << name;
+		bytes.replace(bytes.find("second"), 6, "beyond");
+		const Result<Mesh> mesh = read(bytes);
+		ASSERT_FALSE(mesh) << name;
+		EXPECT_NE(mesh.error().message.find("\"Metadata/note.txt\" in it is damaged"), std::string::npos) << mesh.error().message;
+	}
+}
+
+TEST(MeshPackage, OnlyArchivesNamed3mfAreHeldFor3mfFiles)
+{
+	const std::string archive = zipText({{"body.ifc", "ISO-10303-21;\nEND-ISO-10303-21;\n"}});
+	EXPECT_TRUE(meshFileHead("body.ifczip", archive));
+	EXPECT_TRUE(meshFileHead("body.IFCZIP", archive));
+	const Result<MeshFileHead> refused = meshFileHead("body.3mf", archive);
+	ASSERT_FALSE(refused);
+	EXPECT_NE(refused.error().message.find("no whole 3MF file"), std::string::npos) << refused.error().message;
+	for (const char* ending : {".ifczip", ".zip", ".stp"}) EXPECT_FALSE(read(archive, ending)) << ending;
 }
 
 // A wrong checksum ended the process, whichever file of the package had it.

@@ -132,6 +132,46 @@ TEST(MeshText, BinaryPlyThatBeginsWithABlankIsRead)
 	}
 }
 
+TEST(MeshText, BinaryPlyMayHaveBlanksBehindItsHead)
+{
+	const float blank = std::nextafter(2.f, 3.f) + float('\n' - 1) * 0x1p-22f;  // the lowest byte is a line end
+	for (const char* end : {" \n", "\t \n", " \r\n"})
+		for (const float x : {2.f, blank})
+		{
+			const Result<Mesh> mesh = read(replaced(binaryPly(x), "end_header\n", "end_header" + std::string(end)), ".ply");
+			ASSERT_TRUE(mesh) << mesh.error().message;
+			ASSERT_EQ(mesh.value().triangles.size(), 4u);
+			EXPECT_EQ(mesh.value().vertices[mesh.value().triangles[0][0]].x, double(x));
+		}
+}
+
+TEST(MeshText, BinaryPlyBehindAByteOrderMarkKeepsItsNumbers)
+{
+	expectTetrahedron("\xef\xbb\xbf" + binaryPly(2), ".ply", "plain");
+	// The lowest bytes of x are a line end with a blank behind it, which are removed from text.
+	const float x = 2 + float(0x200a) * 0x1p-22f;
+	for (const char* mark : {"", "\xef\xbb\xbf"})
+	{
+		const Result<Mesh> mesh = read(mark + binaryPly(x), ".ply");
+		ASSERT_TRUE(mesh) << mesh.error().message;
+		ASSERT_EQ(mesh.value().triangles.size(), 4u);
+		EXPECT_EQ(mesh.value().vertices[mesh.value().triangles[0][0]].x, double(x));
+	}
+}
+
+TEST(MeshText, CommentsOfBinaryPlyMayHaveItsKeywords)
+{
+	const float x = 2 + float('\n') * 0x1p-22f;
+	for (const char* comment : {"comment element of a machine\n", "comment the end_header line\n", "comment not element camera 1\n"})
+	{
+		const Result<Mesh> mesh = read(replaced(binaryPly(x), "element vertex", comment + std::string("element vertex")), ".ply");
+		ASSERT_TRUE(mesh) << comment << mesh.error().message;
+		ASSERT_EQ(mesh.value().triangles.size(), 4u) << comment;
+		EXPECT_EQ(mesh.value().vertices[mesh.value().triangles[0][0]].x, double(x)) << comment;
+	}
+	expectTetrahedron(replaced(kPly, "element vertex", "comment once of format binary\nelement vertex"), ".ply", "text");
+}
+
 TEST(MeshText, BinaryPlyWithElementsThatTheReaderDoesNotKnowIsRefused)
 {
 	const std::string sentence = refusal(binaryPly(2, "element camera 1\nproperty uchar kind\n", "x"), ".ply");
@@ -176,7 +216,8 @@ TEST(MeshText, NumbersAreReadWhole)
 {
 	const double infinite = std::numeric_limits<double>::infinity();
 	const std::pair<const char*, double> good[] = {{"1", 1}, {"+2.5e-1", 0.25}, {"-3,5", -3.5}, {".5", 0.5}, {"5.", 5}, {"inf", infinite},
-		{"1e999", infinite}, {"-1e999", -infinite}, {"1e-999", 0}, {"0.0000000001e-400", 0}};
+		{"1e999", infinite}, {"-1e999", -infinite}, {"1.5e400", infinite}, {"-1.5E+400", -infinite}, {"0,5e400", infinite}, {"1.5e-400", 0},
+		{"1e-999", 0}, {"0.0000000001e-400", 0}};
 	for (const auto& [word, value] : good) EXPECT_EQ(numberInText(word), value) << word;
 	EXPECT_TRUE(std::isnan(numberInText("nan").value_or(0)));
 	for (const char* word : {"", "+", "++1", "+-1x", "-1.#IND", "1.5f", "0x10", "one", "1,2,3", "1 2"})

@@ -143,6 +143,21 @@ TEST(StlFile, BytesBehindTheTrianglesAreLeftOutAndSaid)
 	EXPECT_EQ(sentence(good + "x"), "1 byte behind the last triangle was left out.");
 }
 
+TEST(StlFile, ABinaryFooterIsLeftOutBehindAClosedSurface)
+{
+	const std::string good = binary(body());
+	for (const size_t size : {50u, 51u, 150u, 1234u})
+	{
+		std::string footer;
+		for (size_t i = 0; i < size; ++i) footer += char((i * 37 + 5) % 256);
+		expectBody(good + footer, "a footer", 1);
+		EXPECT_EQ(sentence(good + footer), std::to_string(size) + " bytes behind the last triangle were left out.");
+	}
+	// Behind an open surface the same bytes may be triangles: the count is too small.
+	const Mesh whole = body();
+	expectBody(binary(whole, uint32_t(whole.triangles.size() - 2)), "two triangles more", 1);
+}
+
 TEST(StlFile, FilesThatAreCutShortAreRefusedAndNameBothNumbers)
 {
 	const std::string good = binary(body());
@@ -176,6 +191,22 @@ TEST(StlFile, TextIsReadInAllDialects)
 	expectBody(text + std::string(600, '\0'), "zeros behind");
 	for (const bool little : {true, false})
 		for (const bool hasMark : {true, false}) expectBody(utf16(text, little, hasMark), "UTF-16");
+}
+
+// Looking ahead from each name took minutes here.
+TEST(StlFile, ManySolidsInOneLineTakeLinearTime)
+{
+	constexpr int kSolids = 200'000;
+	std::string text;
+	for (int i = 0; i < kSolids; ++i) text += "solid facet ";
+	EXPECT_NE(refusal(text + "endfacet").find("200000 of its 200000 facets"), std::string::npos);
+	EXPECT_NE(refusal(text).find("neither the facets"), std::string::npos) << "one name of many words";
+	text.clear();
+	const std::string facet = "facet vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endfacet ";
+	for (int i = 0; i < kSolids; ++i) text += "solid facet name " + facet;
+	const Result<Mesh> read = readStl(text + "endsolid");
+	ASSERT_TRUE(read) << read.error().message;
+	EXPECT_EQ(read.value().triangles.size(), size_t(kSolids));
 }
 
 TEST(StlFile, SeveralSolidsAreOneMesh)

@@ -84,6 +84,31 @@ TEST(ZipArchive, FilesAreFoundByName)
 	for (std::size_t length = 0; length < text.size(); ++length) EXPECT_FALSE(ZipArchive::open(text.substr(0, length)));
 }
 
+TEST(ZipArchive, FilesOfOneNameAreReadByTheirIndex)
+{
+	const std::string text = zipText({{"x", "first"}, {"/x", "second"}, {".\\x", "third"}});
+	const auto archive = ZipArchive::open(text);
+	ASSERT_TRUE(archive);
+	EXPECT_EQ(archive->names(), (std::vector<std::string>{"x", "x", "x"}));
+	EXPECT_EQ(archive->read("x"), "first");
+	EXPECT_EQ(archive->read(1), "second");
+	EXPECT_EQ(archive->read(2), "third");
+}
+
+TEST(ZipArchive, FilesThatShareTheirBytesAreRefused)
+{
+	// Rows of the table of contents that all name the first file.
+	const std::string content(2000, 'c');
+	const std::vector<std::pair<std::string, std::string>> files(50, {"x", content});
+	EXPECT_TRUE(ZipArchive::open(zipText(files)));
+	const std::string one = zipText({files[0]}), all = zipText(files);
+	const size_t file = one.find("PK\1\2"), row = one.find("PK\5\6") - file;
+	std::string shared = one.substr(0, file), end = all.substr(all.find("PK\5\6"));
+	for (size_t i = 0; i < files.size(); ++i) shared += one.substr(file, row);
+	for (size_t i = 0; i < 4; ++i) end[16 + i] = char(file >> 8 * i);
+	EXPECT_FALSE(ZipArchive::open(shared + end));
+}
+
 TEST(XmlTags, StartTagsAreFoundWithTheirDepth)
 {
 	XmlTags tags("<?xml version='1.0'?><!DOCTYPE a [<!ELEMENT a (b)>]><!-- <no/> --><a x='1' y = \"a&gt;b &amp; "

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 using namespace ist;
 
 namespace
@@ -27,6 +29,18 @@ TEST(MeshAxes, EveryTurnBringsOneAxisToTheOtherAndIsARotation)
 			EXPECT_EQ(turned.vertices[0], direction(to)) << i << " " << j;
 			// The images of the axes are right-handed and of unit length.
 			EXPECT_EQ(dot(cross(turned.vertices[1], turned.vertices[2]), turned.vertices[3]), 1) << i << " " << j;
+		}
+}
+
+TEST(MeshAxes, NoTurnMakesANegativeZero)
+{
+	for (int i = 0; i < 6; ++i)
+		for (int j = 0; j < 6; ++j)
+		{
+			Mesh points;
+			points.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+			for (const Vec3& v : turnedUp(points, {i / 2, i % 2 ? -1 : 1}, {j / 2, j % 2 ? -1 : 1}).vertices)
+				for (const double x : {v.x, v.y, v.z}) EXPECT_FALSE(x == 0 && std::signbit(x)) << i << " " << j;
 		}
 }
 

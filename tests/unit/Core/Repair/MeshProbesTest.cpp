@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Repair/MeshProbes.h"
 #include "tests/unit/Core/Repair/RepairChecks.h"
+#include "tests/unit/ResidentMemory.h"
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <random>
+#include <thread>
 
 using namespace ist;
 
@@ -32,6 +36,26 @@ TEST(MeshProbes, WhatIsCountedTwiceIsMeasuredByVolume)
 			const Pose X{rotationMatrix(quaternionFromRotationVector({turn(random), turn(random), turn(random)})), {1000, -20, 3}};
 			EXPECT_NEAR(miscountedShare(transformed(mesh, X), 256), wanted, 0.04 * wanted + 0.01) << half.z << " " << share << " turned";
 		}
+}
+
+// The crossings of all lines with these layers took 80 MB or more.
+TEST(MeshProbes, ManyLayersNeedLittleMemory)
+{
+	if (!residentBytes()) GTEST_SKIP() << "the system does not say what is resident";
+	constexpr int kBodies = 40;
+	Mesh layers;
+	for (int i = 0; i < kBodies; ++i) layers = joined(layers, makeBoxMesh({1, 1, 1 - 0.01 * i}));
+	std::atomic<bool> ends = false;
+	std::atomic<long> most = 0;
+	const long before = *residentBytes();
+	std::thread watch([&] {
+		while (!ends) most = std::max(most.load(), *residentBytes());
+	});
+	// All bodies lie in the first one, and body i has 1 - 0.01 i of its volume. The grid may miss a row of each.
+	EXPECT_NEAR(miscountedShare(layers, 256), 39 - 0.01 * 39 * 40 / 2, 39.0 / 256);
+	ends = true;
+	watch.join();
+	EXPECT_LT(most - before, 20 << 20);
 }
 
 TEST(MeshProbes, BodiesApartNestedAndEmptyAreCountedRight)

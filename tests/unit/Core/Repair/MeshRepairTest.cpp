@@ -164,6 +164,23 @@ TEST(MeshRepair, ASliverThatHoldsTheMeshTogetherStays)
 	EXPECT_EQ(repaired.value().mesh.triangles.size(), 6u);
 }
 
+TEST(MeshRepair, WallsThatDifferByRoundingAreNoOverlap)
+{
+	const auto box = [](const Vec3& lower, const Vec3& upper) {
+		Mesh mesh = makeBoxMesh({1, 1, 1});
+		for (Vec3& v : mesh.vertices) v = {v.x < 0 ? lower.x : upper.x, v.y < 0 ? lower.y : upper.y, v.z < 0 ? lower.z : upper.z};
+		return mesh;
+	};
+	// 0.1 + 0.2 is 5.6e-17 larger than 0.3. The boxes are wide, so that the lines that measure pass both walls.
+	for (const double side : {1.0, 0.7, 0.3})
+	{
+		const Result<RepairedMesh> repaired = repair(joined(box({0, 0, 0}, {0.1 + 0.2, 1, 1}), box({0.3, 1 - side, 0}, {0.6, 1, side})));
+		ASSERT_TRUE(repaired) << repaired.error().message;
+		EXPECT_TRUE(repaired.value().actions.empty()) << repaired.value().actions.front();
+		EXPECT_NEAR(repaired.value().volumeAfter, 0.3 + 0.3 * side * side, 1e-12);
+	}
+}
+
 TEST(MeshRepair, TheWallBetweenTouchingBoxesIsRemoved)
 {
 	// The common face of these neighbours is split along the same diagonal.
