@@ -49,7 +49,7 @@ struct BulletDecoupledSettings
 	bool realTime = true;  ///< whether the contact thread requests SCHED_FIFO
 	int priority = 70;     ///< priority of the contact thread; below that of the hand's thread
 	/// Number of bodies near the tool that the hand can feel at a time, 1 to kMostMirroredBodies. BulletWorldCoupling::unfelt() names
-	/// bodies that found no slot. Each slot takes some 35 kB: its share of the exchanged snapshots,
+	/// bodies that found no slot. Each slot takes some 35 kB, which is its share of the snapshots,
 	/// questions and answers.
 	int slots = kMirroredBodies;
 	/// Largest number of pairs of leaves of one query between two trees. A query with more uses a coarser level (TreeLevels.h). Queries of
@@ -71,8 +71,8 @@ struct DecoupledStatistics
 	std::uint64_t queriesOverBudget = 0;  ///< number of queries that exceed the budget at every level; they ran without a budget
 	std::uint64_t refusedQueries = 0;     ///< number of queries without an answer (ist::QueryStatus), and so without a force; normally zero
 	std::uint64_t droppedPatches = 0;     ///< number of patches beyond two for each slot, which exert no force; normally zero
-	std::uint64_t droppedContacts =
-		0;                          ///< number of contacts among the bodies that no snapshot had room for (contactCapacity); normally zero
+	/// Number of contacts among the bodies for which a snapshot had no room (contactCapacity); normally zero.
+	std::uint64_t droppedContacts = 0;
 	std::uint64_t brokenSteps = 0;  ///< number of steps after which the tool had a twist that is not finite (toolIsBroken); normally zero
 	bool contactRealTime = false;   ///< whether the contact thread runs, or ran, with SCHED_FIFO
 	double modelAge = 0, longestModelAge = 0;  ///< present and longest age of the world's last step [s]
