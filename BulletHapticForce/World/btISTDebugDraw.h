@@ -3,7 +3,8 @@
 
 #include "BulletISTCollision/Registry/btPrecisionGuard.h"
 
-/// What btISTWorld::debugDraw draws. A game without these lines costs nothing; drawing allocates nothing of its own.
+/// Settings of btISTWorld::debugDraw: each chooses a kind of lines. A game that never calls debugDraw pays nothing. The call itself
+/// allocates no memory; the game's btIDebugDraw may.
 struct btISTDebugDraw
 {
 	/// Each patch as a ring of its friction radius, with an arrow of its elastic force on the body that moves, and text of force and depth.

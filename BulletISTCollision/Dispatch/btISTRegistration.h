@@ -49,7 +49,7 @@ public:
 	const std::string& refusal() const;
 	/// Takes back the entries that others overwrote, and delegates to their functions. Refused if `refusal` is not empty.
 	std::optional<ist::Error> reinstall();
-	/// Makes the memory of the world's queries resident now, up to 30 MB. Otherwise the first contacts cause page faults, which delay a
+	/// Makes the memory of the world's queries resident now, up to 35 MB. Otherwise the first contacts cause page faults, which delay a
 	/// step of a haptic thread once. Refused if `refusal` is not empty.
 	std::optional<ist::Error> makeResident();
 	/// Does what the destructor does. The handle then has no registration.

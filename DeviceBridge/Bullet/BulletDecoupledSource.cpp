@@ -46,7 +46,7 @@ void scale(LinearContact& c, double factor)
 
 BulletDecoupledSource::BulletDecoupledSource(
 	btRigidBody& tool, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock, const BulletDecoupledSettings& settings)
-	: BulletDecoupledSource(tool, {toolPartOf(std::move(tree))}, 0, clock, settings)
+	: BulletDecoupledSource(tool, {toolPartOf(std::move(tree))}, {}, clock, settings)
 {}
 
 BulletDecoupledSource::BulletDecoupledSource(btISTWorld& world, btRigidBody& tool, Clock& clock, const BulletDecoupledSettings& settings)
@@ -54,11 +54,11 @@ BulletDecoupledSource::BulletDecoupledSource(btISTWorld& world, btRigidBody& too
 		  unfeltPartsOf(world.registration().registry(), *tool.getCollisionShape()), clock, settings)
 {}
 
-BulletDecoupledSource::BulletDecoupledSource(
-	btRigidBody& tool, std::vector<ToolPart> parts, int unfeltParts, Clock& clock, const BulletDecoupledSettings& settings)
+BulletDecoupledSource::BulletDecoupledSource(btRigidBody& tool, std::vector<ToolPart> parts, std::vector<UnfeltToolPart> unfelt,
+	Clock& clock, const BulletDecoupledSettings& settings)
 	: m_tool(tool),
 	  m_parts(std::move(parts)),
-	  m_unfeltParts(unfeltParts),
+	  m_unfeltParts(std::move(unfelt)),
 	  m_slots(whyNotSlots(settings.slots)[0] == '\0' ? settings.slots : kMirroredBodies),
 	  m_time(clock),
 	  m_settings(settings),
@@ -228,6 +228,7 @@ void BulletDecoupledSource::findContacts(std::int64_t now, ToolStep& step) noexc
 	}
 	m_lastTopology = wanted;
 	const WorldSnapshot& world = m_mirror.snapshot();
+	m_droppedContacts.store(world.droppedContacts, std::memory_order_relaxed);
 	if (wanted != ContactThreading::OwnThread) takeQuestionBack();
 	if (wanted == ContactThreading::InHapticThread) askInHapticThread(step);
 	else if (wanted == ContactThreading::OwnThread)
@@ -238,6 +239,10 @@ void BulletDecoupledSource::findContacts(std::int64_t now, ToolStep& step) noexc
 	else
 	{
 		if (world.step != m_toolAnswers) m_toolAnswers = world.step, m_modelAnswers.fetch_add(1, std::memory_order_relaxed);
+		m_coarsened.store(world.coarsenedQueries, std::memory_order_relaxed);
+		m_overBudget.store(world.queriesOverBudget, std::memory_order_relaxed);
+		m_refused.store(world.refusedQueries, std::memory_order_relaxed);
+		m_dropped.store(world.droppedPatches, std::memory_order_relaxed);
 		takeModel(world.toolContacts, world.toolContactCount, 1);
 		for (int i = 0; i < m_touchingCount; ++i) step.overlapVolume += touching(i).volume;
 	}
@@ -496,6 +501,7 @@ DecoupledStatistics BulletDecoupledSource::statistics() const noexcept
 	s.queriesOverBudget = read(m_overBudget);
 	s.refusedQueries = read(m_refused);
 	s.droppedPatches = read(m_dropped);
+	s.droppedContacts = read(m_droppedContacts);
 	s.brokenSteps = read(m_brokenSteps);
 	s.contactRealTime = read(m_contactRealTime);
 	s.modelAge = 1e-9 * static_cast<double>(read(m_age));

@@ -49,9 +49,12 @@ struct BulletDecoupledSettings
 	bool realTime = true;  ///< whether the contact thread requests SCHED_FIFO
 	int priority = 70;     ///< priority of the contact thread; below that of the hand's thread
 	/// Number of bodies near the tool that the hand can feel at a time, 1 to kMostMirroredBodies. BulletWorldCoupling::unfelt() names
-	/// bodies that found no slot. Each slot takes some 20 kB.
+	/// bodies that found no slot. Each slot takes some 35 kB, which is its share of the snapshots,
+	/// questions and answers.
 	int slots = kMirroredBodies;
-	std::int64_t maxPairs = -1;  ///< largest number of pairs of a query; beyond it a coarser level is used (TreeLevels.h). Negative: none
+	/// Largest number of pairs of leaves of one query between two trees. A query with more uses a coarser level (TreeLevels.h). Queries of
+	/// a closed form have no limit. Negative: no limit for any.
+	std::int64_t maxPairs = -1;
 	std::int64_t fullUntil = 5'000'000, zeroFrom = 20'000'000;  ///< delays of a model beyond its period: full weight up to, none from [ns]
 	double fadeIn = 0.25;                                       ///< time over which a contact that begins inside fades in [s]
 	double trustedWay = 0.1;      ///< displacement since the last step up to which a copy has full weight; from twice this it has none [m]
@@ -68,6 +71,8 @@ struct DecoupledStatistics
 	std::uint64_t queriesOverBudget = 0;  ///< number of queries that exceed the budget at every level; they ran without a budget
 	std::uint64_t refusedQueries = 0;     ///< number of queries without an answer (ist::QueryStatus), and so without a force; normally zero
 	std::uint64_t droppedPatches = 0;     ///< number of patches beyond two for each slot, which exert no force; normally zero
+	/// Number of contacts among the bodies for which a snapshot had no room (contactCapacity); normally zero.
+	std::uint64_t droppedContacts = 0;
 	std::uint64_t brokenSteps = 0;  ///< number of steps after which the tool had a twist that is not finite (toolIsBroken); normally zero
 	bool contactRealTime = false;   ///< whether the contact thread runs, or ran, with SCHED_FIFO
 	double modelAge = 0, longestModelAge = 0;  ///< present and longest age of the world's last step [s]
@@ -101,7 +106,7 @@ public:
 		btRigidBody& tool, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock, const BulletDecoupledSettings& settings);
 	/// The same for a tool whose parts are those of its shape: the shape itself, or the children of a compound at any depth. Their trees
 	/// are those that `world` has now. A part without a tree is felt in closed form, by bodies that have a tree. unfeltParts() counts the
-	/// others.
+	/// others, and BulletWorldCoupling::unfeltReport() names them.
 	BulletDecoupledSource(btISTWorld& world, btRigidBody& tool, Clock& clock, const BulletDecoupledSettings& settings);
 	~BulletDecoupledSource() override;
 
@@ -134,7 +139,9 @@ public:
 	btRigidBody& tool() noexcept { return m_tool; }
 	const std::vector<ToolPart>& toolParts() const noexcept { return m_parts; }
 	/// Number of parts of the tool's shape that no body can feel: they have no tree and no closed form.
-	int unfeltParts() const noexcept { return m_unfeltParts; }
+	int unfeltParts() const noexcept { return static_cast<int>(m_unfeltParts.size()); }
+	/// These parts, which BulletWorldCoupling::unfeltReport() names.
+	const std::vector<UnfeltToolPart>& unfeltToolParts() const noexcept { return m_unfeltParts; }
 	/// Tree of the first part of the tool that has one; null if none has.
 	std::shared_ptr<const ist::InnerSphereTree> toolTree() const noexcept;
 	const BulletDecoupledSettings& settings() const noexcept { return m_settings; }
@@ -183,8 +190,8 @@ private:
 		std::uint64_t coarsened = 0, overBudget = 0, refused = 0, dropped = 0;
 	};
 
-	BulletDecoupledSource(
-		btRigidBody& tool, std::vector<ToolPart> parts, int unfeltParts, Clock& clock, const BulletDecoupledSettings& settings);
+	BulletDecoupledSource(btRigidBody& tool, std::vector<ToolPart> parts, std::vector<UnfeltToolPart> unfelt, Clock& clock,
+		const BulletDecoupledSettings& settings);
 	const MirroredBody& mirrored(int slot) const noexcept { return m_mirror.snapshot().bodies[std::size_t(slot)]; }
 
 	void adapt(double dt, const DeviceState& hand) noexcept;
@@ -206,7 +213,7 @@ private:
 
 	btRigidBody& m_tool;
 	std::vector<ToolPart> m_parts;
-	int m_unfeltParts = 0;
+	std::vector<UnfeltToolPart> m_unfeltParts;
 	int m_slots;
 	MonotonicClock m_time;
 	BulletDecoupledSettings m_settings;
@@ -238,7 +245,7 @@ private:
 	std::atomic<bool> m_contactRealTime{false};
 
 	std::atomic<std::uint64_t> m_worldSteps{0}, m_modelAnswers{0}, m_fadedTicks{0}, m_coarsened{0}, m_overBudget{0}, m_refused{0};
-	std::atomic<std::uint64_t> m_brokenSteps{0}, m_dropped{0};
+	std::atomic<std::uint64_t> m_brokenSteps{0}, m_dropped{0}, m_droppedContacts{0};
 	std::atomic<std::int64_t> m_age{0}, m_longestAge{0}, m_period{0};
 	AnsweringThread m_thread;
 };

@@ -67,6 +67,31 @@ void BulletLinks::describe(const btMultiBodyLinkCollider& link, MirroredBody& ou
 	out.inverseInertia = ist::zeroMat3();
 }
 
+ist::Twist BulletLinks::twistOf(const btMultiBodyLinkCollider& link)
+{
+	ist::Twist twist;
+	const btMultiBody& multiBody = *link.m_multiBody;
+	if (!multiBody.isAwake()) return twist;
+	const int n = 6 + multiBody.getNumDofs();
+	const btScalar* velocity = multiBody.getVelocityVector();
+	m_jacobian.resize(std::size_t(6 * n));
+	for (int row = 0; row < 6; ++row)
+	{
+		btScalar* J = &m_jacobian[std::size_t(row * n)];
+		const btVector3 along = row < 3 ? unit(row) : btVector3(0, 0, 0), about = row < 3 ? btVector3(0, 0, 0) : unit(row - 3);
+		multiBody.fillConstraintJacobianMultiDof(
+			link.m_link, link.getWorldTransform().getOrigin(), about, along, J, m_scratch, m_scratchVectors, m_scratchMatrices);
+		double& speed = row < 3 ? twist.linear[row] : twist.angular[row - 3];
+		for (int i = 0; i < n; ++i) speed += double(J[i]) * double(velocity[i]);
+	}
+	return twist;
+}
+
+double BulletLinks::massOf(const btMultiBodyLinkCollider& link)
+{
+	return double(link.m_link < 0 ? link.m_multiBody->getBaseMass() : link.m_multiBody->getLink(link.m_link).m_mass);
+}
+
 void BulletLinks::push(const btMultiBodyLinkCollider& link, const ist::Wrench& wrench)
 {
 	btMultiBody& multiBody = *link.m_multiBody;

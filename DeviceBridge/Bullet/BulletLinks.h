@@ -20,6 +20,10 @@ public:
 	/// of its multibody from above, whatever the direction, because a copy that yields more than its body creates no energy. Joints that
 	/// move freely are in it, motors and limits are not. Before the first step of the multibody the link does not move.
 	void describe(const btMultiBodyLinkCollider& link, MirroredBody& out);
+	/// Velocity at the origin of the collider, in World; zero while the multibody sleeps.
+	ist::Twist twistOf(const btMultiBodyLinkCollider& link);
+	/// Mass of the link itself [kg].
+	static double massOf(const btMultiBodyLinkCollider& link);
 	/// Adds a force and a torque about the origin of the collider, for the next step.
 	static void push(const btMultiBodyLinkCollider& link, const ist::Wrench& wrench);
 

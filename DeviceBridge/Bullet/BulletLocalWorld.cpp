@@ -27,7 +27,7 @@ ist::Mat3 turned(const ist::Mat3& R, const ist::Vec3& turn)
 BulletLocalWorld::BulletLocalWorld(int slots)
 	: m_bodies(std::size_t(slots)),
 	  m_places(std::size_t(slots) + 2),
-	  m_rows(std::size_t((kContactsPerSlot + kToolContactsPerSlot) * slots)),
+	  m_rows(std::size_t(contactCapacity(slots) + kToolContactsPerSlot * slots)),
 	  m_impulses(std::size_t(kToolContactsPerSlot * slots))
 {}
 

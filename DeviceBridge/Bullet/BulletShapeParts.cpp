@@ -50,11 +50,15 @@ std::vector<ToolPart> toolPartsOf(const btISTRegistry& registry, const btCollisi
 	return parts;
 }
 
-int unfeltPartsOf(const btISTRegistry& registry, const btCollisionShape& shape)
+std::vector<UnfeltToolPart> unfeltPartsOf(const btISTRegistry& registry, const btCollisionShape& shape)
 {
-	int count = 0;
-	forEachShapePart(
-		registry, shape, [&](const btCollisionShape& child, const ist::Pose&) { count += !ShapeModel::of(registry, child).isOfTool(); });
-	return count;
+	std::vector<UnfeltToolPart> unfelt;
+	int index = 0;
+	forEachShapePart(registry, shape, [&](const btCollisionShape& child, const ist::Pose&) {
+		const ShapeModel model = ShapeModel::of(registry, child);
+		if (!model.isOfTool()) unfelt.push_back({index, child.getName(), ShapeModel::wasScaled(registry, child), model.isKnown()});
+		++index;
+	});
+	return unfelt;
 }
 }  // namespace devicebridge

@@ -10,7 +10,8 @@
 
 #include "BulletCollision/CollisionShapes/btCompoundShape.h"
 
-// The parts of a body's shape that contact tells apart: the shape itself, or the children of a compound at any depth. Not installed.
+// A body's shape has one or more parts, and each part has its own model in a query. The parts are the shape itself, or the children of a
+// compound at any depth. This header is not installed.
 
 namespace devicebridge
 {
@@ -33,8 +34,14 @@ struct ShapeModel
 	ist::AnyField field;
 	ist::Pose X_SP;  ///< frame P of tree or closed form in the shape's
 
-	/// A shape whose tree holds no longer, because it was scaled, has no model, as in btISTCollisionAlgorithm.
+	/// Finds the model of a shape. A tree is for one scaling: if the shape was scaled after its tree was attached, it has no model, and
+	/// btISTCollisionAlgorithm uses none either.
 	static ShapeModel of(const btISTRegistry& registry, const btCollisionShape& shape);
+	/// Whether the shape has a tree that does not fit, because the shape was scaled after the tree was attached.
+	static bool wasScaled(const btISTRegistry& registry, const btCollisionShape& shape)
+	{
+		return registry.isAttached(&shape) && !registry.find(&shape);
+	}
 	bool isKnown() const { return tree || ist::fieldIn(field); }
 	/// Whether it can be a part of a tool; a half-space cannot.
 	bool isOfTool() const { return tree || (ist::fieldIn(field) && !std::holds_alternative<ist::HalfSpaceField>(field)); }
@@ -44,6 +51,6 @@ struct ShapeModel
 ToolPart toolPartOf(std::shared_ptr<const ist::InnerSphereTree> tree);
 /// The parts of a tool's shape that have a model (ShapeModel::isOfTool).
 std::vector<ToolPart> toolPartsOf(const btISTRegistry& registry, const btCollisionShape& shape);
-/// Number of parts that have none.
-int unfeltPartsOf(const btISTRegistry& registry, const btCollisionShape& shape);
+/// The other parts.
+std::vector<UnfeltToolPart> unfeltPartsOf(const btISTRegistry& registry, const btCollisionShape& shape);
 }  // namespace devicebridge

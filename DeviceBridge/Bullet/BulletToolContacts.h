@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "BulletHapticForce/Law/btContactLaw.h"
@@ -20,6 +21,15 @@ struct ToolPart
 	ist::Pose X_TP;
 	ist::Vec3 center;  ///< centre of a ball around the part, in T [m]
 	double radius = 0;
+};
+
+/// A part of the tool's shape that feels nothing.
+struct UnfeltToolPart
+{
+	int index = 0;             ///< number of the part, in the order of the compound's children
+	std::string shape;         ///< Bullet's name of the shape
+	bool wasScaled = false;    ///< whether the shape has a tree, but was scaled after the tree was attached
+	bool isHalfSpace = false;  ///< whether it is a plane, which cannot be a part of a tool
 };
 
 /// Contacts of the tool with mirrored bodies, found as btISTCollisionAlgorithm finds them: by queries of two trees, or of a tree and a

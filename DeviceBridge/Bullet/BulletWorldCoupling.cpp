@@ -19,9 +19,11 @@ namespace devicebridge
 {
 namespace
 {
-constexpr double kReach = 0.03;        // extra distance within which bodies are near [m]
-constexpr double kHandSpeed = 1;       // tool speed for which a body is known before the tool can reach it within a step [m/s]
-constexpr double kLeaveAt = 1.5;       // multiple of the entry distance at which a body leaves
+constexpr double kReach = 0.03;     // extra distance within which bodies are near [m]
+constexpr double kHandSpeed = 1;    // tool speed for which a body is known before the tool can reach it within a step [m/s]
+constexpr double kLeaveAt = 1.5;    // multiple of the entry distance at which a body leaves
+constexpr double kLeastNet = 0.1;   // smallest sum of the pushes on a link from which its response is learnt, over the sum of their lengths
+constexpr double kLeastPush = 0.5;  // smallest change of velocity by the pushes from which it is learnt, over the change that was seen
 constexpr double kStockPeriod = 1e-3;  // period for the stiffness of a contact that has none, so that it holds a copy within a tick [s]
 
 bool isFiniteBody(const btCollisionObject& object)
@@ -135,6 +137,7 @@ void BulletWorldCoupling::show(double seconds)
 		hand.moving = true;
 	}
 	m_world.performDiscreteCollisionDetection();
+	m_sinceContacts = 0;
 	publish(m_registration.store().step());
 }
 
@@ -179,12 +182,33 @@ void BulletWorldCoupling::pushLink(const btMultiBodyLinkCollider& link, const is
 {
 	if (link.isStaticOrKinematicObject()) return;
 	BulletLinks::push(link, {impulse.force / m_seconds, impulse.torque / m_seconds});
-	MirroredBody now;
-	now.X_WB = toRigidPose(link.getWorldTransform());
-	m_links->describe(link, now);
-	PushedLink pushed{&link, impulse.force, now.twist.linear, {}};
-	for (int i = 0; i < 3; ++i) pushed.expected[i] = now.inverseMass[i] * impulse.force[i];
-	m_pushedLinks.push_back(pushed);
+	auto found = std::find_if(m_pushedLinks.begin(), m_pushedLinks.end(), [&](const PushedLink& p) { return p.link == &link; });
+	if (found == m_pushedLinks.end())
+	{
+		MirroredBody now;
+		now.X_WB = toRigidPose(link.getWorldTransform());
+		m_links->describe(link, now);
+		PushedLink pushed{&link, {}, 0, now.twist.linear, now.inverseMass, {}};
+		// Gravity acts along the axes that the joints leave free.
+		const ist::Vec3 gravity = toVec3(m_world.getGravity());
+		const double mass = BulletLinks::massOf(link);
+		for (int i = 0; i < 3; ++i) pushed.fall[i] = std::min(1.0, mass * now.inverseMass[i]) * m_seconds * gravity[i];
+		found = m_pushedLinks.insert(m_pushedLinks.end(), pushed);
+	}
+	found->impulse += impulse.force;
+	found->pushed += norm(impulse.force);
+}
+
+/// The share of its bound by which a link responded to the pushes of the hands. Returns `before` if the pushes cancel, or if other causes
+/// changed the velocity more than the pushes can.
+double BulletWorldCoupling::responseOf(const PushedLink& pushed, const ist::Vec3& velocity, double before) const
+{
+	ist::Vec3 expected;
+	for (int i = 0; i < 3; ++i) expected[i] = pushed.inverseMass[i] * pushed.impulse[i];
+	const ist::Vec3 change = velocity - pushed.before - pushed.fall;
+	const double along = dot(expected, pushed.impulse);
+	if (!(along > 0) || norm(pushed.impulse) < kLeastNet * pushed.pushed || norm(expected) < kLeastPush * norm(change)) return before;
+	return std::clamp(dot(change, pushed.impulse) / along, 0.0, 1.0);
 }
 
 void BulletWorldCoupling::describeLink(Hand& hand, int slot, const btMultiBodyLinkCollider& link)
@@ -194,11 +218,7 @@ void BulletWorldCoupling::describeLink(Hand& hand, int slot, const btMultiBodyLi
 	if (!m_stepped) return;
 	m_links->describe(link, out);
 	for (const PushedLink& pushed : m_pushedLinks)
-	{
-		const double expected = dot(pushed.expected, pushed.impulse);
-		if (pushed.link == &link && expected > 0)
-			response = std::clamp(dot(out.twist.linear - pushed.before, pushed.impulse) / expected, 0.0, 1.0);
-	}
+		if (pushed.link == &link) response = responseOf(pushed, out.twist.linear, response);
 	if (link.isStaticOrKinematicObject()) response = 0;
 	out.inverseMass *= response;
 	for (auto& row : out.inverseInertia.m)
@@ -230,6 +250,7 @@ void BulletWorldCoupling::afterStep()
 {
 	if (!(m_seconds > 0)) return;
 	m_stepped = true;
+	m_sinceContacts = m_seconds;
 	publish(m_registration.store().step() - 1);
 }
 
@@ -244,6 +265,7 @@ void BulletWorldCoupling::publish(std::uint64_t stamp)
 		out.contactCount = 0;
 		showContacts(hand, out, stamp);
 		showStockContacts(hand, out);
+		out.droppedContacts = hand.droppedContacts;
 	}
 	putBack();
 	for (Hand& hand : m_hands)
@@ -334,14 +356,15 @@ void BulletWorldCoupling::admit(Hand& hand, btCollisionObject& object)
 	const btISTRegistry& registry = m_registration.registry();
 	std::vector<PartKey> parts;
 	WorldMirror::Trees trees;
-	bool hasModel = false;
+	bool hasModel = false, wasScaled = false;
 	forEachShapePart(registry, *object.getCollisionShape(), [&](const btCollisionShape& part, const ist::Pose&) {
 		ShapeModel model = ShapeModel::of(registry, part);
 		hasModel = hasModel || model.isKnown();
+		wasScaled = wasScaled || ShapeModel::wasScaled(registry, part);
 		parts.push_back({&part, part.getShapeType(), model.tree.get()});
 		if (model.tree) trees.push_back(std::move(model.tree));
 	});
-	if (!hasModel) return report(hand, object, BulletUnfeltBody::NoModel, false);
+	if (!hasModel) return report(hand, object, wasScaled ? BulletUnfeltBody::WasScaled : BulletUnfeltBody::NoModel, false);
 	if (trees.empty() && !hand.source->toolTree()) return report(hand, object, BulletUnfeltBody::NoTree, false);
 	for (const auto& tree : trees) hand.source->reserve(*tree);
 	const int slot = mirror.admit(&object, std::move(trees));
@@ -370,7 +393,7 @@ void BulletWorldCoupling::listPairs(Hand& hand, int slot, WorldSnapshot& out)
 	const btCollisionObject& object = *hand.tenants[std::size_t(slot)].object;
 	const btISTRegistry& registry = m_registration.registry();
 	const std::vector<ToolPart>& tool = hand.source->toolParts();
-	bool lacks[3] = {};  // pair, model, tree
+	bool lacks[4] = {};  // pair, model, tree, tree that fits
 	bool felt = false;
 	forEachShapePart(registry, *object.getCollisionShape(), [&](const btCollisionShape& shape, const ist::Pose& X_BS) {
 		btVector3 low, high;
@@ -382,7 +405,7 @@ void BulletWorldCoupling::listPairs(Hand& hand, int slot, WorldSnapshot& out)
 			if (!model) model = ShapeModel::of(registry, shape);
 			const bool known = model->isKnown(), hasTree = model->tree || tool[i].tree;
 			const bool full = out.pairCount == static_cast<int>(out.pairs.size());
-			lacks[1] = lacks[1] || !known;
+			if (!known) lacks[ShapeModel::wasScaled(registry, shape) ? 3 : 1] = true;
 			lacks[2] = lacks[2] || (known && !hasTree);
 			if (!known || !hasTree) continue;
 			lacks[0] = lacks[0] || full;
@@ -397,8 +420,9 @@ void BulletWorldCoupling::listPairs(Hand& hand, int slot, WorldSnapshot& out)
 			felt = true;
 		}
 	});
-	const BulletUnfeltBody::Reason reasons[] = {BulletUnfeltBody::NoPair, BulletUnfeltBody::NoModel, BulletUnfeltBody::NoTree};
-	for (int i = 0; i < 3; ++i)
+	const BulletUnfeltBody::Reason reasons[] = {
+		BulletUnfeltBody::NoPair, BulletUnfeltBody::NoModel, BulletUnfeltBody::NoTree, BulletUnfeltBody::WasScaled};
+	for (int i = 0; i < 4; ++i)
 		if (lacks[i]) report(hand, object, reasons[i], felt);
 }
 
@@ -430,6 +454,9 @@ const char* BulletUnfeltBody::adviceFor(Reason reason)
 	case NoTree: return "neither it nor the tool has a tree: attach a tree to one of the two shapes (btISTWorld::attach)";
 	case NotFinite: return "its pose or velocity is not finite, or its axes are not at right angles: correct its transform";
 	case NotSupported: return "soft bodies are not felt";
+	case WasScaled:
+		return "its shape was scaled after its tree was attached: attach a tree for its present size (btISTRegistry::attachScaled or "
+			   "btISTTreeSource::attach)";
 	}
 	return "";
 }
@@ -443,6 +470,16 @@ std::string BulletWorldCoupling::unfeltReport(const btISTSceneReport::Names& nam
 		text += unfelt.inPart ? " is not felt in all its parts: " : " is not felt: ";
 		text += std::string(BulletUnfeltBody::adviceFor(unfelt.reason)) + "\n";
 	}
+	for (const Hand& hand : m_hands)
+		for (const UnfeltToolPart& part : hand.source->unfeltToolParts())
+		{
+			text += names ? names(&hand.source->tool()) : "the tool";
+			text += " feels nothing with its part " + std::to_string(part.index) + " (" + part.shape + "): ";
+			text += part.isHalfSpace
+				? "a plane cannot be a part of a tool\n"
+				: std::string(BulletUnfeltBody::adviceFor(part.wasScaled ? BulletUnfeltBody::WasScaled : BulletUnfeltBody::NoModel)) +
+					", and then make the hand anew\n";
+		}
 	return text;
 }
 
@@ -469,13 +506,15 @@ void BulletWorldCoupling::describe(Hand& hand, int slot)
 	out.gravity = toVec3(body->getGravity());
 }
 
-/// Pose at the beginning of the step just taken, because all integrals of contact are about that pose.
+/// Pose in which the contacts were found, at the beginning of the step just taken. All their integrals are about that pose.
 ist::Pose BulletWorldCoupling::begunAt(const btCollisionObject* object) const
 {
-	const btRigidBody* body = btRigidBody::upcast(object);
 	const ist::Pose X = toRigidPose(object->getWorldTransform());
-	if (!movable(object) || !body->isActive()) return X;
-	return moved(X, -m_seconds * toVec3(body->getLinearVelocity()), -m_seconds * toVec3(body->getAngularVelocity()));
+	ist::Twist twist;
+	if (const auto* link = btMultiBodyLinkCollider::upcast(object)) twist = m_links->twistOf(*link);
+	else if (const btRigidBody* body = btRigidBody::upcast(object); movable(object) && body->isActive())
+		twist = {toVec3(body->getLinearVelocity()), toVec3(body->getAngularVelocity())};
+	return moved(X, -m_sinceContacts * twist.linear, -m_sinceContacts * twist.angular);
 }
 
 void BulletWorldCoupling::showContacts(Hand& hand, WorldSnapshot& out, std::uint64_t stamp)
@@ -491,9 +530,14 @@ void BulletWorldCoupling::showContacts(Hand& hand, WorldSnapshot& out, std::uint
 		if (contact->stamp != stamp && !asleep) continue;
 		const ist::Pose X_WA = a >= 0 ? begunAt(contact->bodyA) : ist::Pose(), X_WB = b >= 0 ? begunAt(contact->bodyB) : ist::Pose();
 		btContactPatch patch;
-		for (int i = 0; i < contact->patchCount && out.contactCount < capacity; ++i)
+		for (int i = 0; i < contact->patchCount; ++i)
 		{
 			if (!evaluateContactPatch(*contact, i, patch)) continue;
+			if (out.contactCount == capacity)
+			{
+				++hand.droppedContacts;
+				continue;
+			}
 			LinearContact& c = out.contacts[std::size_t(out.contactCount++)] = linearContact(patch, X_WA, X_WB);
 			c.a = a;
 			c.b = b;
@@ -517,8 +561,13 @@ void BulletWorldCoupling::showStockContacts(Hand& hand, WorldSnapshot& out)
 			(movableB ? double(btRigidBody::upcast(manifold.getBody1())->getInvMass()) : 0);
 		const ist::Pose X_WA = a >= 0 ? toRigidPose(manifold.getBody0()->getWorldTransform()) : ist::Pose();
 		const ist::Pose X_WB = b >= 0 ? toRigidPose(manifold.getBody1()->getWorldTransform()) : ist::Pose();
-		for (int i = 0; i < manifold.getNumContacts() && out.contactCount < capacity; ++i)
+		for (int i = 0; i < manifold.getNumContacts(); ++i)
 		{
+			if (out.contactCount == capacity)
+			{
+				++hand.droppedContacts;
+				continue;
+			}
 			const btManifoldPoint& point = manifold.getContactPoint(i);
 			LinearContact& c = out.contacts[std::size_t(out.contactCount++)] = {};
 			c.a = a;
@@ -551,6 +600,10 @@ void BulletWorldCoupling::findToolContacts(Hand& hand, WorldSnapshot& out)
 		out.toolContactCount += hand.finder->find(mirror.posted().tool.X_WT, pair, body, body.X_WB,
 			out.toolContacts.data() + out.toolContactCount, static_cast<int>(out.toolContacts.size()) - out.toolContactCount, volume);
 	}
+	out.coarsenedQueries = hand.finder->coarsened();
+	out.queriesOverBudget = hand.finder->overBudget();
+	out.refusedQueries = hand.finder->refused();
+	out.droppedPatches = hand.finder->dropped();
 }
 
 ist::Vec3 BulletWorldCoupling::appliedImpulse(const BulletDecoupledSource& hand) const

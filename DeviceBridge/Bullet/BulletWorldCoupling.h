@@ -16,17 +16,18 @@ namespace devicebridge
 class BulletLinks;
 struct ShapeModel;
 
-/// A body near a tool that the hand does not feel, or not in all its parts.
+/// A body near a tool that the hand does not feel at all, or of which it does not feel some parts.
 struct BulletUnfeltBody
 {
 	enum Reason
 	{
-		NoSlot,       ///< all slots of the hand are occupied (BulletDecoupledSettings::slots)
-		NoPair,       ///< more parts are near the tool than eight for each slot
-		NoModel,      ///< the shape has neither a tree nor a closed form: a mesh, a heightfield, a convex hull
-		NoTree,       ///< neither the body nor the tool has a tree
-		NotFinite,    ///< pose or velocity is not finite or not rigid
-		NotSupported  ///< a soft body
+		NoSlot,        ///< all slots of the hand are occupied (BulletDecoupledSettings::slots)
+		NoPair,        ///< more parts are near the tool than eight for each slot
+		NoModel,       ///< the shape has neither a tree nor a closed form: a mesh, a heightfield, a convex hull
+		NoTree,        ///< neither the body nor the tool has a tree
+		NotFinite,     ///< pose or velocity is not finite or not rigid
+		NotSupported,  ///< a soft body
+		WasScaled      ///< the shape was scaled after its tree was attached, so the tree does not fit
 	};
 	const btCollisionObject* body = nullptr;
 	const BulletDecoupledSource* hand = nullptr;
@@ -50,7 +51,8 @@ struct BulletUnfeltBody
 /// step decide whether the two can meet there. A body whose parts or trees have changed is released and felt anew. Some effects are
 /// approximate: the hand's copies know a contact without a tree only by its impulse in the last step. They know a joint, and another hand
 /// on the same body, only by the body's state after each step. So between two steps the hand feels the body without these. A link of a
-/// multibody yields as it did in the last step in which a hand pushed it, whatever held it then: joints, motors, limits or contacts.
+/// multibody yields as it did in the last step in which hands pushed it, whatever held it then: joints, motors, limits or contacts. If
+/// their pushes cancel, or other causes change the velocity more, the link yields as before.
 class BulletWorldCoupling
 {
 public:
@@ -87,7 +89,8 @@ public:
 	std::uint64_t crowded() const { return m_crowded; }
 	/// Bodies near the tools that the hands did not feel in full after the last step, in the order of the hands.
 	const std::vector<BulletUnfeltBody>& unfelt() const { return m_unfelt; }
-	/// The same as text, one line for each body. `names` is as for btISTSceneReport. It allocates; call it between steps.
+	/// A text with one line for each of these bodies, and one for each part of a tool that feels nothing. `names` is as for
+	/// btISTSceneReport. This function allocates; call it between steps.
 	std::string unfeltReport(const btISTSceneReport::Names& names = {}) const;
 
 private:
@@ -102,7 +105,8 @@ private:
 	{
 		btCollisionObject* object = nullptr;
 		std::vector<PartKey> parts;
-		double response = 1;  ///< of a link: its change of velocity in the last step that pushed it, over that of its bound (BulletLinks)
+		/// Change of velocity of a link by the last push, over the change that its bound allows (BulletLinks).
+		double response = 1;
 	};
 	struct Hand
 	{
@@ -111,15 +115,18 @@ private:
 		std::vector<Tenant> tenants;  ///< one for each slot
 		ist::Vec3 applied;
 		std::uint64_t tick = 0;
-		bool moving = false;  ///< whether the hand has posted since the last step
+		std::uint64_t droppedContacts = 0;  ///< WorldSnapshot::droppedContacts
+		bool moving = false;                ///< whether the hand has posted since the last step
 	};
-	/// A link that a hand has pushed.
+	/// A link that one or several hands have pushed.
 	struct PushedLink
 	{
 		const btMultiBodyLinkCollider* link;
-		ist::Vec3 impulse;
-		ist::Vec3 before;    ///< velocity [m/s]
-		ist::Vec3 expected;  ///< change of velocity by the bound [m/s]
+		ist::Vec3 impulse;      ///< sum over the hands [N s]
+		double pushed = 0;      ///< sum of the lengths of the impulses [N s]
+		ist::Vec3 before;       ///< velocity [m/s]
+		ist::Vec3 inverseMass;  ///< bound of the response (BulletLinks) [1/kg]
+		ist::Vec3 fall;         ///< change of velocity by gravity [m/s]
 	};
 	struct Pushed
 	{
@@ -132,6 +139,7 @@ private:
 	bool begin(double seconds);
 	void push(Hand& hand, int slot);
 	void pushLink(const btMultiBodyLinkCollider& link, const ist::Wrench& impulse);
+	double responseOf(const PushedLink& pushed, const ist::Vec3& velocity, double before) const;
 	void describeLink(Hand& hand, int slot, const btMultiBodyLinkCollider& link);
 	void publish(std::uint64_t stamp);
 	void putBack();
@@ -160,7 +168,8 @@ private:
 	std::unique_ptr<BulletLinks> m_links;
 	bool m_stepped = false;  ///< whether the world has taken a step, after which multibodies know their response
 	std::vector<BulletUnfeltBody> m_unfelt;
-	double m_seconds = 0;  ///< length of the step that has begun [s]; 0: none
+	double m_seconds = 0;        ///< length of the step that has begun [s]; 0: none
+	double m_sinceContacts = 0;  ///< time that the bodies moved since their contacts were found [s]
 	std::uint64_t m_crowded = 0;
 };
 }  // namespace devicebridge

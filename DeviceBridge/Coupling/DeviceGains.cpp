@@ -1,30 +1,31 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Coupling/DeviceGains.h"
 
-#include "DeviceBridge/Drivers/AssumedLimits.h"
+#include <algorithm>
 
 namespace devicebridge
 {
 CouplingGains gainsForDevice(const DeviceInfo& info, double period, const AssumptionListener& onAssumed)
 {
+	const double scale = info.scale > 0 ? info.scale : 1;
 	DeviceInfo known = info;
+	scaleLimits(known, 1 / scale);
 	assumeLimits(known);
 	CouplingGains gains = passiveGains(known, known.damping, known.angularDamping, period);
 	std::string assumed;
 	if (known.assumed) assumed = known.source;
 	const auto say = [&](const std::string& what) { assumed += (assumed.empty() ? "" : "; ") + what; };
-	const bool moves = (info.actuated & kTranslation) == kTranslation, turns = (info.actuated & kRotation) == kRotation;
+	const bool moves = info.actuated & kTranslation, turns = info.actuated & kRotation;
 	if (moves && !(gains.stiffness > 0))
 	{
-		gains.stiffness = kCarefulStiffness;
-		say("no stiffness is known: 200 N/m is assumed");
-	}
-	if (moves && !(gains.maxForce > 0))
-	{
-		gains.maxForce = kCarefulForce;
-		say("no largest force is known: 2 N is assumed");
+		const double passive = known.damping > 0 ? 2 * known.damping / period : kCarefulStiffness;
+		gains.stiffness = std::min(kCarefulStiffness, passive);
+		say("no stiffness is known: at most 200 N/m is assumed");
 	}
 	if (turns && !(gains.angularStiffness > 0 && gains.maxTorque > 0)) say("no limits of the torque are known: no torque is exerted");
+	gains.stiffness /= scale * scale;
+	gains.maxForce /= scale;
+	// The tool alone feels these, so they are not scaled.
 	if (!moves && !turns)
 	{
 		gains.stiffness = kCarefulStiffness;

@@ -64,12 +64,12 @@ ist::Wrench staticWrench(const CouplingGains& gains, const ist::Wrench& pull, co
 CouplingGains passiveGains(const DeviceInfo& info, double deviceDamping, double deviceAngularDamping, double h) noexcept
 {
 	CouplingGains gains;
-	if ((info.actuated & kTranslation) == kTranslation)
+	if (info.actuated & kTranslation)
 	{
 		gains.stiffness = std::clamp(2 * deviceDamping / h, 0.0, info.maxStiffness);
 		gains.maxForce = info.peakForce;
 	}
-	if ((info.actuated & kRotation) == kRotation)
+	if (info.actuated & kRotation)
 	{
 		gains.angularStiffness = std::clamp(2 * deviceAngularDamping / h, 0.0, info.maxAngularStiffness);
 		gains.maxTorque = info.peakTorque;

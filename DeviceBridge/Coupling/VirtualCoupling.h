@@ -40,7 +40,8 @@ ist::Wrench couplingOnTool(const CouplingGains& gains, const ist::Pose& X_WH, co
 	double inertia, double h) noexcept;
 
 /// Gains that a device bears at sample time `h` [s]. The stiffness is at most the device's own limit and at most 2 (b - B) / h per Colgate
-/// and Schenkel. `deviceDamping` b is the dissipation of the mechanism itself. A degree of freedom without an actuator gets no gain. B is
-/// zero, because the damping of the coupling uses up the margin that its stiffness needs.
+/// and Schenkel. `deviceDamping` b is the dissipation of the mechanism itself. Translation gets gains if at least one of its axes has an
+/// actuator, and so does rotation; SafetyLimiter drops the force along the other axes. B is zero, because the damping of the coupling uses
+/// up the margin that its stiffness needs.
 CouplingGains passiveGains(const DeviceInfo& info, double deviceDamping, double deviceAngularDamping, double h) noexcept;
 }  // namespace devicebridge

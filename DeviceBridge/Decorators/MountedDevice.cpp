@@ -17,9 +17,7 @@ MountedDevice::MountedDevice(std::unique_ptr<Device> inner, const ist::Pose& X_W
 void MountedDevice::scaleInfo()
 {
 	m_info = m_inner->info();
-	for (double* length : {&m_info.resolution, &m_info.workspaceRadius}) *length *= m_scale;
-	for (double* force : {&m_info.peakForce, &m_info.continuousForce}) *force /= m_scale;
-	for (double* gain : {&m_info.maxStiffness, &m_info.maxDamping, &m_info.damping}) *gain /= m_scale * m_scale;
+	scaleLimits(m_info, m_scale);
 }
 
 // Some drivers know their limits only after open(). The result of the first time stays, because other threads may read it.

@@ -57,6 +57,8 @@ struct DeviceInfo
 	double resolution = 0, angularResolution = 0;      ///< smallest steps of position and angle [m, rad]
 	double workspaceRadius = 0;                        ///< radius of the inscribed ball [m]
 	double nominalRate = 1000;                         ///< rate of the samples [Hz]
+	/// Displacement in the world over that of the handle (MountedDevice). All limits and lengths above are those in the world.
+	double scale = 1;
 	/// Whether the position may repeat to the last bit while the handle turns. A held handle always trembles; simulated and replayed ones
 	/// and mice need not.
 	bool turnsInPlace = false;
@@ -64,6 +66,15 @@ struct DeviceInfo
 	unsigned assumed = 0;  ///< bits of AssumedLimit: limits that come from the profile of the model, or are guesses
 	std::string profile;   ///< name of the profile in data/devices from which limits were assumed; empty: none
 };
+
+/// Changes the limits of a device for a world in which one metre of its handle is `scale` metres. Power is preserved, so forces shrink by
+/// the scale, and linear stiffness and damping by its square. Rotation does not change.
+inline void scaleLimits(DeviceInfo& info, double scale) noexcept
+{
+	for (double* length : {&info.resolution, &info.workspaceRadius, &info.scale}) *length *= scale;
+	for (double* force : {&info.peakForce, &info.continuousForce}) *force /= scale;
+	for (double* gain : {&info.maxStiffness, &info.maxDamping, &info.damping}) *gain /= scale * scale;
+}
 
 enum class DeviceStatus
 {

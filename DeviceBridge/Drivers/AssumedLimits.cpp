@@ -11,14 +11,13 @@ namespace devicebridge
 {
 namespace
 {
-constexpr double kTick = 1e-3;       // [s]
-constexpr double kCarefulForce = 2;  // peak of a device of which nothing is known [N]
+constexpr double kTick = 1e-3;  // [s]
 
 struct Limit
 {
 	AssumedLimit bit;
 	double DeviceInfo::*value;
-	unsigned needs;  // required actuators; 0: none
+	unsigned needs;  // actuators of which the device must have at least one; 0: none
 	const char* name;
 };
 constexpr Limit kLimits[] = {{kAssumedPeakForce, &DeviceInfo::peakForce, kTranslation, "peak_force"},
@@ -72,7 +71,7 @@ unsigned fillFrom(const DeviceInfo& profile, DeviceInfo& info)
 	for (const Limit& limit : kLimits)
 	{
 		double& value = info.*limit.value;
-		if (value > 0 || (info.actuated & limit.needs) != limit.needs || !(profile.*limit.value > 0)) continue;
+		if (value > 0 || (limit.needs != 0 && !(info.actuated & limit.needs)) || !(profile.*limit.value > 0)) continue;
 		value = profile.*limit.value;
 		filled |= limit.bit;
 	}
@@ -123,7 +122,7 @@ void assumeLimits(DeviceInfo& info)
 	filled = fillFrom(least, info);
 	info.assumed |= filled;
 	if (filled) say(info, "assumed, the least with which the stiffness is passive at 1 kHz: " + listOf(filled));
-	if ((info.actuated & kTranslation) == kTranslation && !(info.maxStiffness > 0)) say(info, "unknown: max_stiffness");
+	if ((info.actuated & kTranslation) && !(info.maxStiffness > 0)) say(info, "unknown: max_stiffness");
 }
 
 std::vector<std::string> namesOfAssumed(unsigned assumed)

@@ -8,6 +8,8 @@
 
 namespace devicebridge
 {
+constexpr double kCarefulForce = 2;  ///< peak of the force of a device of which nothing is known [N]
+
 /// Name of the profile in data/devices for a model; empty if none has that maker and model. Case, blanks and punctuation are ignored. One
 /// maker's name may be a part of the other.
 std::string profileOfModel(const std::string& maker, const std::string& model);

@@ -33,6 +33,8 @@ SampleMonitorSettings monitorOf(const DeviceInfo& info, SampleMonitorSettings se
 	const double threePeriods = info.nominalRate > 0 ? 3e9 / info.nominalRate : 0;
 	settings.frozenAfter = std::max(settings.frozenAfter, static_cast<std::int64_t>(std::min(threePeriods, 1e9)));
 	const bool trembles = !info.turnsInPlace && (info.actuated & kTranslation) == kTranslation;
+	if (info.scale > 0)
+		for (double* limit : {&settings.longestJump, &settings.speed, &settings.movingSpeed}) *limit *= info.scale;
 	if (settings.longestTurnInPlace == 0 && trembles) settings.longestTurnInPlace = 0.5;
 	return settings;
 }

@@ -17,7 +17,11 @@ constexpr int kMirroredBodies = 16;        ///< number of slots for bodies, unle
 constexpr int kMostMirroredBodies = 1024;  ///< largest number of slots
 constexpr int kPairsPerSlot = 8;           ///< capacity of pairs of parts, over the number of slots
 constexpr int kContactsPerSlot = 3;        ///< capacity of contacts of the mirrored bodies, over the number of slots
+constexpr int kFewestContacts = 48;        ///< smallest capacity of these contacts: one body may rest on many
 constexpr int kToolContactsPerSlot = 2;    ///< capacity of patches of the tool, over the number of slots
+
+/// Largest number of contacts of the mirrored bodies that a snapshot shows.
+constexpr int contactCapacity(int slots) { return slots * kContactsPerSlot > kFewestContacts ? slots * kContactsPerSlot : kFewestContacts; }
 
 /// The impulse that the hand's thread has given to one body since the body entered its slot. It includes the state of that thread's copy of
 /// the body, in World.
@@ -65,7 +69,7 @@ struct WorldSnapshot
 	explicit WorldSnapshot(int slots = kMirroredBodies)
 		: bodies(std::size_t(slots)),
 		  pairs(std::size_t(kPairsPerSlot * slots)),
-		  contacts(std::size_t(kContactsPerSlot * slots)),
+		  contacts(std::size_t(contactCapacity(slots))),
 		  toolContacts(std::size_t(kToolContactsPerSlot * slots))
 	{}
 
@@ -76,8 +80,11 @@ struct WorldSnapshot
 	int pairCount = 0;
 	std::vector<LinearContact> contacts;  ///< contacts of the mirrored bodies with each other and with other bodies
 	int contactCount = 0;
+	std::uint64_t droppedContacts = 0;        ///< number of such contacts that found no place, summed over the steps
 	std::vector<LinearContact> toolContacts;  ///< contacts of the tool, found by the world's thread at the tool's pose there
 	int toolContactCount = 0;
+	// Counts of these queries, as in DecoupledStatistics, summed over the steps:
+	std::uint64_t coarsenedQueries = 0, queriesOverBudget = 0, refusedQueries = 0, droppedPatches = 0;
 };
 
 /// The hand's thread's data of one tick.

@@ -28,6 +28,7 @@ DeviceInfo usable(DeviceInfo info)
 	for (double* limit :
 		{&info.peakForce, &info.peakTorque, &info.maxDamping, &info.maxAngularDamping, &info.resolution, &info.angularResolution})
 		*limit = usableLimit(*limit);
+	if (!(usableLimit(info.scale) > 0)) info.scale = 1;
 	info.continuousForce = continuousLimit(info.continuousForce, info.peakForce);
 	info.continuousTorque = continuousLimit(info.continuousTorque, info.peakTorque);
 	return info;
@@ -58,7 +59,7 @@ PassivityLimits passivityLimits(const DeviceInfo& raw, const SafetySettings& set
 SpeedBrake::Limits brakeLimits(const DeviceInfo& raw, const SafetySettings& settings)
 {
 	const DeviceInfo info = usable(raw);
-	return {settings.maxSpeed, settings.maxAngularSpeed, info.maxDamping / 2, info.maxAngularDamping / 2, info.continuousForce,
+	return {info.scale * settings.maxSpeed, settings.maxAngularSpeed, info.maxDamping / 2, info.maxAngularDamping / 2, info.continuousForce,
 		info.continuousTorque};
 }
 

@@ -26,8 +26,8 @@ struct SafetySettings
 	std::int64_t riseTime = 20'000'000;                              ///< shortest time from zero to the peak of the device [ns]
 	bool oneFactor = false;                                          ///< whether saturation scales force and torque by the same factor
 	double heatTime = 10;                                            ///< time constant over which the continuous limits hold [s]
-	double maxSpeed = 1.5, maxAngularSpeed = 20;                     ///< speeds above which the device only damps [m/s, rad/s]
-	bool latchFault = true;  ///< whether a wrench that is not finite keeps the device at zero until clearFault()
+	double maxSpeed = 1.5, maxAngularSpeed = 20;  ///< speeds of the handle above which the device only damps [m/s, rad/s]
+	bool latchFault = true;                       ///< whether a wrench that is not finite keeps the device at zero until clearFault()
 };
 
 /// Number of commands that each stage changed.

@@ -21,8 +21,6 @@ double turnBetween(const ist::Mat3& a, const ist::Mat3& b)
 	for (int i = 0; i < 3; ++i) sum += squaredNorm(a.row(i) - b.row(i));
 	return 2 * std::asin(std::min(1.0, std::sqrt(sum / 8)));
 }
-
-constexpr double kMovingSpeed = 0.02;  // [m/s]: at this speed 10 ms are more than the resolution of any device
 }  // namespace
 
 // A handle at rest also repeats its pose, but then its twist is zero and its sequence grows.
@@ -30,7 +28,7 @@ bool SampleMonitor::repeats(const DeviceState& state) const noexcept
 {
 	const bool sameNumber = state.sequence != 0 && state.sequence == m_last.sequence;
 	if (sameNumber || state.sampledAt == m_last.sampledAt) return true;
-	return !state.velocityEstimated && norm(state.twist.linear) > kMovingSpeed && samePose(state.X_WH, m_last.X_WH);
+	return !state.velocityEstimated && norm(state.twist.linear) > m_settings.movingSpeed && samePose(state.X_WH, m_last.X_WH);
 }
 
 bool SampleMonitor::turnsInPlace(const DeviceState& state, std::int64_t now) noexcept

@@ -6,17 +6,20 @@
 
 namespace devicebridge
 {
+/// The lengths and speeds are those in the frame of the samples. A SteppingThread reads them as those of the handle, and multiplies them by
+/// the scale of the device (DeviceInfo::scale).
 struct SampleMonitorSettings
 {
 	double longestJump = 0.05;  ///< largest distance between two samples beyond what `speed` explains [m]
 	double speed = 10;          ///< speed that a hand never reaches [m/s]
+	double movingSpeed = 0.02;  ///< speed above which two samples of the same pose repeat each other [m/s]
 	double longestTurn = 1;     ///< largest rotation between two samples beyond what `angularSpeed` explains [rad]
 	double angularSpeed = 100;  ///< angular speed that a hand never reaches [rad/s]
 	std::int64_t frozenAfter =
 		10'000'000;  ///< age of a repeated sample [ns]; a SteppingThread waits for at least three periods of its device
-	/// Rotation that is a fault if the position stays the same to the last bit for `turnInPlaceAfter` [ns] [rad]: a device without
-	/// calibration reports that. 0: not checked, but by a SteppingThread from 0.5 rad on, for devices that exert forces and tremble
-	/// (DeviceInfo::turnsInPlace). Negative: never.
+	/// Largest rotation while the position stays the same to the last bit [rad]. A device that was not calibrated may report such samples.
+	/// The position must have stayed the same for `turnInPlaceAfter` [ns]. If the value is 0, a SteppingThread takes 0.5 rad for a device
+	/// that exerts forces and whose held handle trembles (DeviceInfo::turnsInPlace is false). Otherwise 0 or less means no check.
 	double longestTurnInPlace = 0;
 	std::int64_t turnInPlaceAfter = 300'000'000;
 	int steadySamples = 20;  ///< number of consecutive good samples before the device is trusted again

@@ -85,6 +85,17 @@ TEST(SceneRun, EveryTopologyHoldsTheBallWhereForcesBalance)
 	}
 }
 
+// The pantograph moves in a plane, and the file names no stiffness.
+TEST(SceneRun, ADeviceWithMotorsInAPlaneFeelsTheFloor)
+{
+	std::string text = scene("contact-in-tick", 0.04, 0.012);
+	text.replace(text.find("sim:sigma7"), 10, "sim:pantograph");
+	const Result<SceneOutcome> outcome = run(text);
+	ASSERT_TRUE(outcome) << outcome.error().message;
+	EXPECT_GT(outcome.value().ticks.back().wrench.force.y, 0.5);
+	EXPECT_EQ(outcome.value().ticks.back().wrench.force.z, 0);
+}
+
 // Two bodies of a thousand spheres pressed together have many more pairs than this budget.
 TEST(SceneRun, ABudgetOfPairsIsKeptInEveryTick)
 {

@@ -187,8 +187,9 @@ public:
 	const QueryCapacity& capacity() const;
 	/// Reserves the memory that QueryBuffers(A, B) would hold.
 	void reserve(const InnerSphereTree& A, const InnerSphereTree& B);
-	/// Makes the lists of pairs of leaves resident: 30 MB with the default capacity. Without this, a query that finds more pairs than
-	/// all earlier ones waits for the system to provide pages. Call it for a thread that must not wait, such as that of a haptic device.
+	/// Makes the lists of pairs of leaves and of terms of closed forms resident: 35 MB with the default capacity. Without this, a query
+	/// that finds more pairs than all earlier ones waits for the system to provide pages. Call it for a thread that must not wait, such as
+	/// that of a haptic device.
 	void makeResident();
 	/// Swaps in each array of `room` that is larger than the workspace's own. Afterwards `room` is of no further use, and taking it
 	/// again does nothing. Allocates and frees nothing.

@@ -12,6 +12,8 @@ namespace
 {
 /// Capacity of each of the two lists of faces.
 constexpr int kFewestFaces = 4096, kMostFaces = 32768;
+/// Number of terms of closed forms that makeResident() covers, 5 MB. A query with more takes longer than a tick of 1 ms anyway.
+constexpr size_t kResidentTerms = 32768;
 
 const QueryKernel* kernelFor(InstructionSet set)
 {
@@ -149,6 +151,8 @@ void QueryWorkspace::Implementation::makeResident()
 {
 	indices.touch();
 	numbers.touch();
+	// Queries against curved closed forms fill this list.
+	touchPages(terms.data(), std::min(terms.capacity(), kResidentTerms) * sizeof(FieldTerm));
 	grouper.makeResident();
 	surfaces->makeResident();
 }

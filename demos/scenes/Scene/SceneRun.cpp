@@ -97,6 +97,8 @@ std::vector<HandKeyFrame> framesInW(const Scene& scene, const Pose& X_MP, const 
 	return frames;
 }
 
+void printAssumed(const std::string& assumed) { std::fprintf(stderr, "%s\n", assumed.c_str()); }
+
 /// Opens the device of a scene. A simulated hand follows the path of the file; any other device moves by itself.
 std::optional<Error> openDevice(const Scene& scene, const Pose& X_MP, Hand& hand)
 {
@@ -108,8 +110,7 @@ std::optional<Error> openDevice(const Scene& scene, const Pose& X_MP, Hand& hand
 		Result<std::unique_ptr<Device>> opened = DeviceRegistry().open(scene.device);
 		if (!opened) return at(scene.devicePlace, opened.error().message);
 		hand.device = std::make_unique<TimedDevice>(std::move(opened).value());
-		hand.gains = gainsForDevice(
-			hand.device->info(), kTick, [](const std::string& assumed) { std::fprintf(stderr, "%s\n", assumed.c_str()); });
+		hand.gains = gainsForDevice(hand.device->info(), kTick, printAssumed);
 		return std::nullopt;
 	}
 	const Result<SimulatedProfile> profile = simulatedProfile(scene.device.substr(prefix.size()));
@@ -122,7 +123,7 @@ std::optional<Error> openDevice(const Scene& scene, const Pose& X_MP, Hand& hand
 		device->setHand(handThrough(std::move(frames)));
 	}
 	device->open();
-	hand.gains = passiveGains(profile.value().info, profile.value().damping, profile.value().angularDamping, kTick);
+	hand.gains = gainsForDevice(profile.value().info, kTick, printAssumed);
 	hand.device = std::make_unique<TimedDevice>(std::move(device));
 	return std::nullopt;
 }

@@ -14,6 +14,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <memory>
+#include <vector>
 
 using namespace devicebridge;
 using ist::Vec3;
@@ -23,9 +25,10 @@ namespace
 constexpr double kLinkMass = 0.5;
 enum class Joint
 {
-	Fixed,     ///< to a fixed base
-	Slider,    ///< along x, free
-	Motorised  ///< the slider along y, held by a motor
+	Fixed,      ///< to a fixed base
+	Slider,     ///< along x, free
+	Motorised,  ///< the slider along y, held by a motor
+	Upright     ///< the slider along y, free
 };
 
 /// A game with a multibody: a fixed base, and one link, a box of 40 mm without a tree.
@@ -186,4 +189,116 @@ TEST(DecoupledLinks, AFreeLinkGetsTheImpulseThatTheHandGave)
 		EXPECT_LT(largest, 3 * (kLinkMass + kDecoupledToolMass)) << rate;
 		std::printf("slider, world at %g Hz: %.3f m/s, largest force %.2f N\n", rate, out.speed, largest);
 	}
+}
+
+namespace
+{
+/// Inverse mass of the hand's copy of the link along an axis [1/kg].
+double yieldOf(Hand& hand, const LinkGame& game, int axis)
+{
+	const int slot = hand.source.mirror().find(&game.collider);
+	EXPECT_GE(slot, 0);
+	return slot < 0 ? 0 : hand.source.mirror().body(slot).inverseMass[axis];
+}
+}  // namespace
+
+// The oracle is the mass of the link: it is free along x, whatever the sum of the two hands is.
+TEST(DecoupledLinks, AFreeLinkThatTwoHandsSqueezeStaysFree)
+{
+	LinkGame game(Joint::Slider, 1.0 / 60);
+	VirtualClock clock;
+	BulletWorldCoupling coupling(*game.ist);
+	std::vector<std::unique_ptr<Hand>> hands;
+	for (const double side : {-1.0, 1.0})
+	{
+		hands.push_back(
+			std::make_unique<Hand>(*game.ist, game.ball, clock, Vec3{side * (kBoxHalf + kBallRadius + 0.001), 0, 0}, handSettings()));
+		if (game.ist->materials().set(&hands.back()->body, {2e7, 2})) throw std::runtime_error("material");
+		hands.back()->script = [side](double t) { return ist::Twist{{t > 0.1 && t < 0.3 ? -side * 0.03 : 0, 0, 0}, {}}; };
+		coupling.add(hands.back()->source);
+	}
+	coupling.show(1.0 / 60);
+	std::int64_t steps = 0;
+	for (int i = 1; i <= 900; ++i)
+	{
+		while (double(steps + 1) / 60 <= 1e-9 * double(clock.now()) + 1e-9) coupling.step(1.0 / 60), ++steps;
+		clock.sleepUntil(i * kTickPeriod);
+		for (auto& hand : hands) hand->tick(1e-9 * double(clock.now()));
+	}
+	for (auto& hand : hands)
+	{
+		EXPECT_GT(norm(hand->step.coupling.force), 1);
+		EXPECT_GT(yieldOf(*hand, game, 0), 0.5 / kLinkMass);
+	}
+	for (auto& hand : hands) coupling.remove(hand->source);
+}
+
+// The hand carries the weight of a link that is free along y. It does not speed up, and it is free all the same.
+TEST(DecoupledLinks, ALinkThatAHandCarriesStaysFree)
+{
+	LinkGame game(Joint::Upright, 1.0 / 60);
+	game.world.setGravity(btVector3(0, btScalar(-9.81), 0));
+	VirtualClock clock;
+	BulletWorldCoupling coupling(*game.ist);
+	Hand hand(*game.ist, game.ball, clock, {0, -(kBoxHalf + kBallRadius + 0.0005), 0}, handSettings());
+	if (game.ist->materials().set(&hand.body, {2e7, 2})) throw std::runtime_error("material");
+	coupling.add(hand.source);
+	coupling.show(1.0 / 60);
+	std::int64_t steps = 0;
+	double sum = 0, least = 1e9;
+	for (int i = 1; i <= 1500; ++i)
+	{
+		while (double(steps + 1) / 60 <= 1e-9 * double(clock.now()) + 1e-9)
+		{
+			coupling.step(1.0 / 60), ++steps;
+			if (i > 500) least = std::min(least, yieldOf(hand, game, 1));
+		}
+		clock.sleepUntil(i * kTickPeriod);
+		hand.tick(1e-9 * double(clock.now()));
+		if (i > 1000) sum += hand.step.coupling.force.y / 500;
+	}
+	std::printf("carried: %.2f N of %.2f N, at least %.2f of the inverse mass\n", sum, 9.81 * kLinkMass, least * kLinkMass);
+	EXPECT_NEAR(sum, 9.81 * kLinkMass, 0.1 * 9.81 * kLinkMass);
+	EXPECT_GT(least, 0.5 / kLinkMass);
+	coupling.remove(hand.source);
+}
+
+// A box lies on a link, and both move at 0.5 m/s. The oracle is the pair of poses that Bullet had before the step.
+TEST(DecoupledLinks, ContactsOfAMovingLinkAreShownAtThePosesInWhichTheyWereFound)
+{
+	LinkGame game(Joint::Slider, 1.0 / 60);
+	btBoxShape shape{btVector3(btScalar(kBoxHalf), btScalar(kBoxHalf), btScalar(kBoxHalf))};
+	const auto attached = std::move(game.ist->attach(&shape, boxTree())).value();
+	btRigidBody load(Hand::info(shape, {0.002, 2 * kBoxHalf - 0.0005, 0}));
+	load.forceActivationState(DISABLE_DEACTIVATION);
+	game.world.addRigidBody(&load);
+	load.setLinearVelocity(btVector3(btScalar(0.5), 0, 0));
+	game.multiBody.setJointVel(0, btScalar(0.5));
+	VirtualClock clock;
+	BulletWorldCoupling coupling(*game.ist);
+	Hand hand(*game.ist, game.ball, clock, {0.05, 0.02, 0}, handSettings());
+	coupling.add(hand.source);
+	coupling.show(1.0 / 60);
+	for (int step = 0; step < 2; ++step)
+	{
+		const Vec3 before[2] = {vec3(load.getWorldTransform().getOrigin()), vec3(game.collider.getWorldTransform().getOrigin())};
+		coupling.step(1.0 / 60);
+		EXPECT_GT(double(game.collider.getWorldTransform().getOrigin().x()) - before[1].x, 0.007);
+		WorldMirror& mirror = hand.source.mirror();
+		ASSERT_TRUE(mirror.fetch());
+		const WorldSnapshot& world = mirror.snapshot();
+		ASSERT_GT(world.contactCount, 0);
+		const int box = mirror.find(&load), link = mirror.find(&game.collider);
+		ASSERT_GE(box, 0);
+		ASSERT_GE(link, 0);
+		for (int i = 0; i < world.contactCount; ++i)
+		{
+			const LinearContact& c = world.contacts[std::size_t(i)];
+			ASSERT_TRUE((c.a == box && c.b == link) || (c.a == link && c.b == box));
+			EXPECT_LT(distance(c.X_WA.translation, before[c.a == link]), 1e-6);
+			EXPECT_LT(distance(c.X_WB.translation, before[c.b == link]), 1e-6);
+		}
+	}
+	coupling.remove(hand.source);
+	game.world.removeRigidBody(&load);
 }

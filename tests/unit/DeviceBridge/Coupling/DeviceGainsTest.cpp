@@ -92,3 +92,45 @@ TEST(DeviceGains, GainsThatMoveNothingAreNamed)
 	gains.angularDamping = 1, gains.maxTorque = 0.1;
 	EXPECT_STREQ(whyNotMoved(gains), "");
 }
+
+// The oracle is the power of the handle: a spring K of the world pulls the handle with scale^2 K, and a force F with scale F.
+TEST(DeviceGains, AScaledDeviceOfUnknownLimitsIsCarefulAtItsHandle)
+{
+	for (const double scale : {0.01, 0.5, 1.0, 100.0})
+		for (const double damping : {0.0, 0.05, 10.0})
+		{
+			DeviceInfo info;
+			info.maker = "Acme", info.actuated = info.sensed = kTranslation, info.damping = damping;
+			scaleLimits(info, scale);
+			const CouplingGains gains = gainsForDevice(info, 1e-3);
+			EXPECT_NEAR(scale * scale * gains.stiffness, damping == 0.05 ? 100 : 200, 1e-6) << scale << ", " << damping;
+			EXPECT_NEAR(scale * gains.maxForce, 2, 1e-9) << scale;
+		}
+}
+
+TEST(DeviceGains, AScaledDeviceTakesTheProfileOfItsHandle)
+{
+	const DeviceInfo known = simulatedProfile("inverse3").value().info;
+	DeviceInfo info;
+	info.maker = known.maker, info.model = known.model, info.actuated = info.sensed = kTranslation;
+	scaleLimits(info, 4);
+	const CouplingGains gains = gainsForDevice(info, 1e-3);
+	EXPECT_NEAR(16 * gains.stiffness, known.maxStiffness, 1e-9);
+	EXPECT_NEAR(4 * gains.maxForce, known.peakForce, 1e-9);
+}
+
+// The numbers stand in data/devices/pantograph.json.
+TEST(DeviceGains, ADeviceWithMotorsInAPlaneIsNoMouse)
+{
+	Heard heard;
+	const CouplingGains gains = gainsForDevice(simulatedProfile("pantograph").value().info, 1e-3, heard.listener());
+	EXPECT_NEAR(gains.stiffness, 300, 1e-9);
+	EXPECT_EQ(gains.maxForce, 5);
+	EXPECT_EQ(heard.text.find("exerts no force"), std::string::npos) << heard.text;
+	DeviceInfo unknown;
+	unknown.maker = "Acme", unknown.sensed = unknown.actuated = 3;
+	const CouplingGains careful = gainsForDevice(unknown, 1e-3, heard.listener());
+	EXPECT_EQ(careful.stiffness, 200);
+	EXPECT_EQ(careful.maxForce, 2);
+	EXPECT_EQ(heard.text.find("exerts no force"), std::string::npos) << heard.text;
+}

@@ -2,12 +2,15 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <functional>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "DeviceBridge/Decorators/MountedDevice.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
 #include "DeviceBridge/Loop/SteppingThread.h"
 #include "DeviceBridge/Loop/StopSignals.h"
@@ -26,9 +29,12 @@ public:
 	SimulatedDevice hand{simulatedProfile("sigma7").value()};
 	bool unplugged = false, frozen = false, refuses = false;
 	ist::Vec3 jump;
+	bool holds = false;  ///< whether the position stays that of the first sample to the last bit
+	double turn = 0;     ///< angle of the handle about z while it holds [rad]
+	DeviceInfo description = hand.info();
 	DeviceCommand last;
 
-	const DeviceInfo& info() const noexcept override { return hand.info(); }
+	const DeviceInfo& info() const noexcept override { return description; }
 	DeviceStatus open() noexcept override { return hand.open(); }
 	void close() noexcept override { hand.close(); }
 	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override
@@ -39,6 +45,12 @@ public:
 		if (!frozen) m_sample = fresh;
 		state = m_sample;
 		state.X_WH.translation += jump;
+		if (!holds) m_held = state.X_WH;
+		else
+		{
+			state.X_WH = {rotationMatrix(ist::quaternionFromRotationVector({0, 0, turn})) * m_held.rotation, m_held.translation};
+			state.twist = {};
+		}
 		return DeviceStatus::Ok;
 	}
 	DeviceStatus write(const DeviceCommand& command) noexcept override
@@ -50,6 +62,7 @@ public:
 
 private:
 	DeviceState m_sample;
+	ist::Pose m_held;
 };
 
 /// A wall of 800 N/m below z = 0 that may delay a tick.
@@ -367,7 +380,7 @@ struct SpoiledRig
 		device.place(start);
 		device.open();
 		thread.enableForces(true);
-		clock.sleepUntil(1'000'000'000);  // a clock that runs since long
+		clock.sleepUntil(1'000'000'000);  // the clock has run for a second before the first tick
 	}
 	double force() const { return norm(device.lastCommand().wrench.force); }
 	void run(int ticks)
@@ -406,12 +419,51 @@ TEST(SteppingFault, APositionThatStandsStillWhileTheWristTurnsEndsTheForce)
 	EXPECT_NE(std::string(describe(r.thread.faultCause())).find("calibrate the device"), std::string::npos);
 }
 
-// A hand at rest holds its position, too, and may tremble about its axes.
+// The position of a hand at rest may stay the same for seconds, while the hand trembles about its axes. A larger turn is a fault, which
+// shows that the check is on.
 TEST(SteppingFault, AHandAtRestIsNoFrozenPosition)
 {
-	FaultRig r;
-	r.thread.run(6000);
-	EXPECT_EQ(r.thread.faultCause(), FaultCause::None);
+	FaultyDevice device;
+	device.description.turnsInPlace = false;
+	device.open();
+	SlowWall wall;
+	VirtualClock clock;
+	SteppingThread thread(device, wall, clock);
+	thread.run(100);
+	device.holds = true;
+	for (int i = 0; i < 6000; ++i)
+	{
+		device.turn = 0.2 * std::sin(0.05 * i);
+		thread.run(1);
+		ASSERT_EQ(thread.faultCause(), FaultCause::None) << i;
+	}
+	for (; device.turn < 1; device.turn += 0.001) thread.run(1);
+	EXPECT_EQ(thread.faultCause(), FaultCause::PositionFrozen);
+}
+
+// The limits are those of the handle: 1 m/s is no jump, and 0.2 m in a millisecond is one.
+TEST(SteppingFault, AScaledDeviceIsJudgedByItsHandle)
+{
+	for (const double scale : {0.01, 1.0, 100.0})
+	{
+		auto owned = std::make_unique<FaultyDevice>();
+		FaultyDevice* inner = owned.get();
+		MountedDevice device(std::move(owned), {}, scale);
+		inner->hand.place({{}, {0, 0, 0.02}});
+		inner->hand.setHand(handThrough({{0, {{}, {0, 0, 0.02}}}, {0.1, {{}, {0, 0, 0.12}}}}));
+		device.open();
+		SlowWall wall;
+		VirtualClock clock;
+		SteppingThread thread(device, wall, clock);
+		for (int i = 0; i < 400; ++i)
+		{
+			thread.run(1);
+			ASSERT_EQ(thread.faultCause(), FaultCause::None) << scale << ", tick " << i;
+		}
+		inner->jump = {0.2, 0, 0};
+		thread.run(1);
+		EXPECT_EQ(thread.faultCause(), FaultCause::Jump) << scale;
+	}
 }
 
 TEST(SteppingFault, ASampleThatWasNeverTakenGivesNoForce)

@@ -228,6 +228,27 @@ TEST(SafetyStages, AboveTheSpeedLimitTheDeviceOnlyDamps)
 	EXPECT_EQ(limiter.counts().overSpeed, 3U);
 }
 
+TEST(SafetyStages, TheSpeedLimitIsThatOfTheHandleAtEveryScale)
+{
+	for (const double scale : {0.01, 1.0, 100.0})
+	{
+		SafetySettings settings = bare();
+		settings.maxSpeed = 1;
+		DeviceInfo info = sixDof();
+		scaleLimits(info, scale);
+		for (const double speed : {0.9, 1.1})
+		{
+			SafetyLimiter limiter(info, settings);
+			HandSample hand;
+			hand.twist.linear = {0, scale * speed, 0};
+			const Vec3 force = limiter.limit(command({1 / scale, 0, 0}, kMs), hand, kMs).wrench.force;
+			EXPECT_EQ(limiter.counts().overSpeed, speed > 1 ? 1U : 0U) << scale;
+			// Half of 20 N s/m at the handle is above its continuous 2 N.
+			EXPECT_NEAR(scale * force.y, speed > 1 ? -2 : 0, 1e-9) << scale;
+		}
+	}
+}
+
 TEST(SafetyStages, AStateThatIsNotFiniteGivesZeroAndAFault)
 {
 	SafetyLimiter limiter(sixDof(), bare());
