@@ -166,7 +166,8 @@ for mode in auto wrap; do
 done
 # A farm that builds quietly hears of it; of a mesh that needed nothing, nothing.
 expect "build --quiet" 0 "$ist" build "$dir/holed.obj" -o "$dir/holed.ist" --spheres 50 --quiet
-says "build --quiet" "^ist: warning: .*/holed.obj: repaired, volume .* %, 36 % of the volume is in doubt: .*Closed 1 hole; .*volume changed from"
+says "build --quiet" \
+	"^ist: warning: .*/holed.obj: repaired, volume .* %, 36 % of the volume is in doubt: .*Closed 1 hole; .*volume changed from"
 [ "$(wc -l < "$dir/err")" -eq 1 ] && [ ! -s "$dir/out" ] || { echo "FAILED build --quiet: not one line"; failures=$((failures + 1)); }
 # A closed plate of one cell and a half. The grid that was asked for is not refused, and its doubt is said, also with --quiet.
 sed 's/^v \(.*\) \(.*\) 1$/v \1 \2 0.012/' "$dir/cube.obj" > "$dir/plate.obj"
