@@ -45,8 +45,6 @@ std::string plain(std::string text)
 	return text;
 }
 
-std::string endingOf(const std::string& path) { return plain(std::filesystem::path(path).extension().string()); }
-
 MeshFileUnit namedUnit(const char* format, std::span<const NamedUnit> units, const std::optional<std::string>& stated)
 {
 	const std::string name = plain(stated.value_or(""));
@@ -97,7 +95,7 @@ std::optional<std::string> modelName(const ZipArchive& archive)
 
 Result<MeshFileHead> headOfArchive(const std::string& path, const ZipArchive& archive)
 {
-	const std::string ending = endingOf(path);
+	const std::string ending = meshFileEnding(path);
 	const std::optional<std::string> name = modelName(archive);
 	const std::optional<std::string> model = name ? archive.read(*name) : std::nullopt;
 	if (name && (!model || model->empty()))
@@ -139,7 +137,7 @@ std::optional<std::string> contentOf(const std::string& path)
 	const std::string_view start(head, static_cast<size_t>(file.gcount()));
 	const size_t first = start.find_first_not_of(" \t\r\n");
 	const bool isXml = first != start.npos && (start[first] == '<' || needsUtf8(start));
-	const std::string ending = endingOf(path);
+	const std::string ending = meshFileEnding(path);
 	if (!isXml && !start.starts_with("PK") && ending != ".3mf" && ending != ".zae" && ending != ".obj" && ending != ".ply")
 		return std::nullopt;
 	file.clear();
@@ -151,6 +149,8 @@ std::optional<std::string> contentOf(const std::string& path)
 }
 }  // namespace
 
+std::string meshFileEnding(const std::string& path) { return plain(std::filesystem::path(path).extension().string()); }
+
 Result<MeshFileHead> readMeshFileHead(const std::string& path)
 {
 	const std::optional<std::string> content = contentOf(path);
@@ -159,7 +159,7 @@ Result<MeshFileHead> readMeshFileHead(const std::string& path)
 
 Result<MeshFileHead> meshFileHead(const std::string& path, std::string_view content)
 {
-	const std::string ending = endingOf(path);
+	const std::string ending = meshFileEnding(path);
 	if (ending == ".obj" || ending == ".ply")
 	{
 		Result<std::optional<std::string>> text = ending == ".obj" ? objForAssimp(content) : plyForAssimp(content);

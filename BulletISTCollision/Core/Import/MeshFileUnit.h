@@ -28,6 +28,9 @@ struct MeshFileHead
 	std::optional<std::string> content;
 };
 
+/// The ending of a file name with its dot, in lower case and without blanks around it.
+std::string meshFileEnding(const std::string& path);
+
 /// Reads the unit from a file, and corrects its content. Errors: a damaged archive, and a 3MF file without the model that it names (assimp
 /// would end the process); coordinates of an OBJ file that are no numbers.
 Result<MeshFileHead> readMeshFileHead(const std::string& path);

@@ -19,7 +19,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <exception>
 #include <filesystem>
@@ -134,23 +133,27 @@ private:
 	const std::optional<std::string>& m_content;
 };
 
-/// Distance between neighbouring single-precision values at the part's farthest coordinate, as a share of its longest side.
+/// Distance between neighbouring single-precision values at the farthest coordinate of a box, as a share of its longest side.
+double blur(const Box& box)
+{
+	double farthest = 0;
+	for (int axis = 0; axis < 3; ++axis) farthest = std::max({farthest, std::fabs(box.lower[axis]), std::fabs(box.upper[axis])});
+	const double longest = box.longestSide();
+	return longest > 0 ? farthest * 0x1p-23 / longest : 0;
+}
+
 double blur(const aiMesh& part)
 {
 	if (part.mNumVertices == 0) return 0;
-	double farthest = 0, longest = 0;
-	for (unsigned axis = 0; axis < 3; ++axis)
-	{
-		double low = part.mVertices[0][axis], high = low;
-		for (unsigned i = 0; i < part.mNumVertices; ++i)
+	const aiVector3D& first = part.mVertices[0];
+	Box box{{first.x, first.y, first.z}, {first.x, first.y, first.z}};
+	for (unsigned i = 0; i < part.mNumVertices; ++i)
+		for (int axis = 0; axis < 3; ++axis)
 		{
-			low = std::min<double>(low, part.mVertices[i][axis]);
-			high = std::max<double>(high, part.mVertices[i][axis]);
+			box.lower[axis] = std::min<double>(box.lower[axis], part.mVertices[i][unsigned(axis)]);
+			box.upper[axis] = std::max<double>(box.upper[axis], part.mVertices[i][unsigned(axis)]);
 		}
-		farthest = std::max({farthest, std::fabs(low), std::fabs(high)});
-		longest = std::max(longest, high - low);
-	}
-	return longest > 0 ? farthest * 0x1p-23 / longest : 0;
+	return blur(box);
 }
 
 /// Distance between neighbouring single-precision values at the coordinates that a vertex and its transform consist of [units of the
@@ -497,15 +500,11 @@ Result<TexturedMesh> readStlFile(const std::string& path, double unit, Wanted wa
 	if (!read) return read.error().cancelled ? read.error() : Error{"cannot read " + path + ": " + read.error().message};
 	TexturedMesh textured{std::move(read).value(), {}};
 	Mesh& mesh = textured.mesh;
-	const Box box = bounds(mesh);
-	const double side = box.longestSide(),
-				 farthest = std::max({std::fabs(box.lower.x), std::fabs(box.lower.y), std::fabs(box.lower.z), std::fabs(box.upper.x),
-					 std::fabs(box.upper.y), std::fabs(box.upper.z)}),
-				 blur = side > 0 ? farthest * 0x1p-23 / side : 0;
+	const double worst = blur(bounds(mesh));
 	for (Vec3& v : mesh.vertices) v = unit * v;
 	mesh.unit = unit;
-	mesh.rounding = std::max(mesh.rounding, blur);
-	if (const auto error = whyUnusable(mesh, path, blur)) return *error;
+	mesh.rounding = std::max(mesh.rounding, worst);
+	if (const auto error = whyUnusable(mesh, path, worst)) return *error;
 	if (wanted == Wanted::SurfaceAndPlaces)
 		return Error{path +
 			": STL files have no texture coordinates; unwrap the mesh (in Blender: Edit Mode, U, Smart UV Project) and "
@@ -513,18 +512,11 @@ Result<TexturedMesh> readStlFile(const std::string& path, double unit, Wanted wa
 	return textured;
 }
 
-bool isStl(const std::string& path)
-{
-	std::string ending = std::filesystem::path(path).extension().string();
-	std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-	return ending == ".stl";
-}
-
 Result<TexturedMesh> readMesh(const std::string& path, const std::optional<double>& given, Wanted wanted, ImportProgress& importProgress)
 {
 	if (const auto error = whyNoMeshFile(path)) return *error;
-	Result<TexturedMesh> read = isStl(path) ? readStlFile(path, given.value_or(1), wanted, importProgress)
-											: readByAssimp(path, given, wanted, importProgress);
+	Result<TexturedMesh> read = meshFileEnding(path) == ".stl" ? readStlFile(path, given.value_or(1), wanted, importProgress)
+															   : readByAssimp(path, given, wanted, importProgress);
 	if (read && !importProgress.reach(1)) return Error{"the import was cancelled", true};
 	return read;
 }
