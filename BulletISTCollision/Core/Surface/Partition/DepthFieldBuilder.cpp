@@ -59,6 +59,7 @@ Result<DepthField> buildDepthField(const MeshDistance& surface, const DepthField
 		samples = sampleDepth(surface, sampling, sampled);
 		if (samples.empty()) return cancelled;
 		misfits += partition.addMisfits(samples);
+		// While there is still room for cells.
 		if (sampling.stream == kMostRounds) misfits += partition.addMisfitsOutside(surface, sampling.domain, sampling.stream);
 		if (misfits == 0 && partition.cellCount() < most) break;
 		const size_t rest = cells - std::min(cells, partition.cellCount());

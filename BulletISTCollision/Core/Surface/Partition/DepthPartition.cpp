@@ -231,36 +231,35 @@ size_t DepthPartition::addMisfitsOfSurface(const Mesh& mesh)
 	return count;
 }
 
-/// Adds the region of each cell below a node to `regions`, by its part.
-void DepthPartition::regionsOf(size_t node, ConvexRegion region, std::vector<ConvexRegion>& regions) const
+/// Finds the corners of the region of each cell below a node, by its part.
+void DepthPartition::cornersOf(size_t node, ConvexRegion region, std::vector<std::vector<Vec3>>& corners) const
 {
 	if (m_nodes[node].isCell())
 	{
-		regions[m_nodes[node].cell()] = std::move(region);
+		corners[m_nodes[node].cell()] = region.corners();
 		return;
 	}
 	ConvexRegion first = region;
 	first.clip(m_nodes[node], 0);
-	regionsOf(m_nodes[node].child, std::move(first), regions);
+	cornersOf(m_nodes[node].child, std::move(first), corners);
 	region.clip(m_nodes[node], 1);
-	regionsOf(m_nodes[node].child + 1, std::move(region), regions);
+	cornersOf(m_nodes[node].child + 1, std::move(region), corners);
 }
 
 size_t DepthPartition::addMisfitsOutside(const MeshDistance& surface, const Box& domain, uint64_t stream)
 {
-	std::vector<ConvexRegion> regions(m_parts.size(), ConvexRegion(domain));
-	regionsOf(0, ConvexRegion(domain), regions);
+	std::vector<std::vector<Vec3>> corners(m_parts.size());
+	cornersOf(0, ConvexRegion(domain), corners);
 	std::vector<std::vector<Misfit>> found(m_parts.size());
 #pragma omp parallel for schedule(dynamic, 16) num_threads(m_options.threads)
 	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(m_parts.size()); ++i)
 	{
 		const size_t part = size_t(i);
-		const std::vector<Vec3> corners = regions[part].corners();
-		if (corners.empty() || m_parts[part].fit.within == 0) continue;
+		if (corners[part].empty() || m_parts[part].fit.within == 0) continue;
 		CounterRandom random(m_options.seed, kOutsideStream + stream, part);
 		for (int k = 0; k < kOutsidePoints; ++k)
 		{
-			const Vec3 x = randomPoint(corners, random);
+			const Vec3 x = randomPoint(corners[part], random);
 			if (!(m_parts[part].fit.quadric.depthAt(x) > 0) || surface.contains(x)) continue;
 			const MeshDistance::Field f = surface.field(x, false);
 			const DepthSample s{x, f.depth, f.normal, weightOfDepth(f.depth, m_options.spacing)};

@@ -71,7 +71,7 @@ private:
 
 	std::span<const DepthSample> samplesOf(const Part& part) const { return {m_samples.data() + part.begin, part.end - part.begin}; }
 	size_t partAt(const Vec3& x) const;
-	void regionsOf(size_t node, ConvexRegion region, std::vector<ConvexRegion>& regions) const;
+	void cornersOf(size_t node, ConvexRegion region, std::vector<std::vector<Vec3>>& corners) const;
 	bool isMisfit(size_t part, const DepthSample& sample) const;
 	bool takeBatch(size_t most, std::vector<size_t>& batch);
 	Part partOf(size_t begin, size_t end, size_t node) const;
