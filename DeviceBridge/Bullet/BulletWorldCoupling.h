@@ -148,6 +148,7 @@ private:
 	void listPairs(Hand& hand, WorldSnapshot& out);
 	void listPairs(Hand& hand, int slot, WorldSnapshot& out);
 	void setConstants(const Hand& hand, const btCollisionObject& body, MirroredPair& out, const ShapeModel& model) const;
+	static bool isFiniteBody(const btCollisionObject& object);
 	bool isNear(const Hand& hand, const ToolPart& part, const btVector3& low, const btVector3& high, double share) const;
 	bool isNear(const Hand& hand, const btCollisionObject& object, double share) const;
 	void report(const Hand& hand, const btCollisionObject& body, BulletUnfeltBody::Reason reason, bool inPart);
