@@ -92,21 +92,7 @@ std::vector<Vec3> inOneThread(Joint joint, const Script& script, const Vec3& sta
 	btRigidBody tool(Hand::info(game.ball, start));
 	if (game.ist->materials().set(&tool, {2e7, 2})) throw std::runtime_error("material");
 	game.world.addRigidBody(&tool);
-	BulletToolSettings settings;
-	settings.gains = handSettings().gains;
-	BulletContactSource source(*game.ist, tool, settings);
-	DeviceState state;
-	state.X_WH.translation = start;
-	ToolStep step;
-	std::vector<Vec3> forces;
-	for (int i = 0; i < ticks; ++i)
-	{
-		state.twist = script(1e-3 * (i + 1));
-		state.X_WH.translation += 1e-3 * state.twist.linear;
-		step.contactCount = 0, step.overlapVolume = 0, step.pairs = 0;
-		source.advance(1e-3, state, step);
-		forces.push_back(step.coupling.force);
-	}
+	std::vector<Vec3> forces = forcesInOneThread(*game.ist, tool, start, script, ticks);
 	game.world.removeRigidBody(&tool);
 	return forces;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "DeviceBridge/Bullet/BulletContactSource.h"
 #include "DeviceBridge/Bullet/BulletWorldCoupling.h"
 #include "tests/unit/KeptTree.h"
 
@@ -88,6 +89,29 @@ inline BulletDecoupledSettings handSettings()
 	BulletDecoupledSettings settings;
 	settings.gains = {1000, 0.2, 2, 1e-4, 100, 10};
 	return settings;
+}
+
+/// Forces of the coupling on a tool that a world leads in one thread with the gains of handSettings(), one for each tick of 1 ms. The hand
+/// begins at `start` and moves by the twists of `script`, which gets the time [s].
+inline std::vector<ist::Vec3> forcesInOneThread(
+	btISTWorld& world, btRigidBody& tool, const ist::Vec3& start, const std::function<ist::Twist(double)>& script, int ticks)
+{
+	BulletToolSettings settings;
+	settings.gains = handSettings().gains;
+	BulletContactSource source(world, tool, settings);
+	DeviceState state;
+	state.X_WH.translation = start;
+	ToolStep step;
+	std::vector<ist::Vec3> forces;
+	for (int i = 0; i < ticks; ++i)
+	{
+		state.twist = script(1e-3 * (i + 1));
+		state.X_WH.translation += 1e-3 * state.twist.linear;
+		step.contactCount = 0, step.overlapVolume = 0, step.pairs = 0;
+		source.advance(1e-3, state, step);
+		forces.push_back(step.coupling.force);
+	}
+	return forces;
 }
 
 /// A world that its own clock steps between the ticks of the hands, all in virtual time.

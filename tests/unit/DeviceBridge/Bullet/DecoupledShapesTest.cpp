@@ -175,23 +175,7 @@ Forces inOneThread(const Shape& s, const Case& c)
 	if (mass > 0) world.bullet().addRigidBody(table.get());
 	world.bullet().addRigidBody(body.get());
 	world.bullet().addRigidBody(&held);
-	BulletToolSettings settings;
-	settings.gains = handSettings().gains;
-	Forces forces;
-	{
-		BulletContactSource source(world, held, settings);
-		DeviceState state;
-		state.X_WH.translation = startAbove(s);
-		ToolStep step;
-		for (int i = 0; i < kTicks; ++i)
-		{
-			state.twist = pressAndSlide(1e-3 * (i + 1));
-			state.X_WH.translation += 1e-3 * state.twist.linear;
-			step.contactCount = 0, step.overlapVolume = 0, step.pairs = 0;
-			source.advance(1e-3, state, step);
-			forces.push_back(step.coupling.force);
-		}
-	}
+	Forces forces = forcesInOneThread(world, held, startAbove(s), pressAndSlide, kTicks);
 	world.bullet().removeRigidBody(&held);
 	world.bullet().removeRigidBody(body.get());
 	if (mass > 0) world.bullet().removeRigidBody(table.get());

@@ -39,6 +39,22 @@ struct Monitored
 		return distance(monitor.target(part).X_WB.translation, handPartPoses(model, hand).X_WB[static_cast<std::size_t>(part)].translation);
 	}
 };
+
+/// Updates with 890 samples of a lost hand, at which the monitor stands still and then lets go, and then with good ones until it holds.
+void loseAndFindAgain(Monitored& w, const HandState& lost)
+{
+	w.monitor.update(w.hand, kTick);
+	const Vec3 stood = w.monitor.target(kThumb2).X_WB.translation;
+	for (int i = 0; i < 290; ++i) w.monitor.update(lost, kTick);
+	EXPECT_EQ(w.monitor.grip(), 1);
+	for (int i = 0; i < 600; ++i) w.monitor.update(lost, kTick);
+	EXPECT_EQ(w.monitor.grip(), 0);
+	EXPECT_EQ(distance(w.monitor.target(kThumb2).X_WB.translation, stood), 0);
+	EXPECT_EQ(norm(w.monitor.target(kThumb2).twist.linear), 0);
+	for (int i = 0; i < 130; ++i) w.monitor.update(w.hand, kTick);
+	EXPECT_EQ(w.monitor.grip(), 1);
+}
+
 }  // namespace
 
 TEST(HandTrackingMonitor, FollowsAGoodHandExactly)
@@ -101,17 +117,7 @@ TEST(HandTrackingMonitor, MissingPartsGoWithThePalm)
 TEST(HandTrackingMonitor, LostHandsStandStillThenLetGoAndComeBack)
 {
 	Monitored w;
-	w.monitor.update(w.hand, kTick);
-	const Vec3 stood = w.monitor.target(kThumb2).X_WB.translation;
-	HandState none;
-	for (int i = 0; i < 290; ++i) w.monitor.update(none, kTick);
-	EXPECT_EQ(w.monitor.grip(), 1);
-	for (int i = 0; i < 600; ++i) w.monitor.update(none, kTick);
-	EXPECT_EQ(w.monitor.grip(), 0);
-	EXPECT_EQ(distance(w.monitor.target(kThumb2).X_WB.translation, stood), 0);
-	EXPECT_EQ(norm(w.monitor.target(kThumb2).twist.linear), 0);
-	for (int i = 0; i < 130; ++i) w.monitor.update(w.hand, kTick);
-	EXPECT_EQ(w.monitor.grip(), 1);
+	loseAndFindAgain(w, {});
 	EXPECT_EQ(w.monitor.complaints().lost, 890u);
 	EXPECT_NE(w.monitor.complaints().sentence().find("lost"), std::string::npos);
 }
@@ -168,18 +174,9 @@ TEST(HandTrackingMonitor, AHandThatCannotBeTrueIsALostHandAndIsNamed)
 	{
 		SCOPED_TRACE(describe(fault));
 		Monitored w;
-		w.monitor.update(w.hand, kTick);
-		const Vec3 stood = w.monitor.target(kThumb2).X_WB.translation;
 		HandState wrong = w.hand;
 		spoil(wrong);
-		for (int i = 0; i < 290; ++i) w.monitor.update(wrong, kTick);
-		EXPECT_EQ(w.monitor.grip(), 1);
-		for (int i = 0; i < 600; ++i) w.monitor.update(wrong, kTick);
-		EXPECT_EQ(w.monitor.grip(), 0);
-		EXPECT_EQ(distance(w.monitor.target(kThumb2).X_WB.translation, stood), 0);
-		EXPECT_EQ(norm(w.monitor.target(kThumb2).twist.linear), 0);
-		for (int i = 0; i < 130; ++i) w.monitor.update(w.hand, kTick);
-		EXPECT_EQ(w.monitor.grip(), 1);
+		loseAndFindAgain(w, wrong);
 		EXPECT_EQ(w.monitor.complaints().of(fault), 890u);
 		EXPECT_EQ(w.monitor.complaints().lost, 0u);
 		EXPECT_EQ(w.monitor.complaints().jumps, 0u);
