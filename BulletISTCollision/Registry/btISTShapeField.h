@@ -22,7 +22,7 @@ public:
 	/// The closed form; null for every other shape, and for one with a length that is not positive and finite. Valid during this object's
 	/// life.
 	const ist::AnalyticField* field() const { return ist::fieldIn(m_field); }
-	/// The same by value.
+	/// The closed form as a value that can be copied; it holds nothing for every other shape.
 	const ist::AnyField& any() const { return m_field; }
 	bool isHalfSpace() const { return std::holds_alternative<ist::HalfSpaceField>(m_field); }
 	/// Pose of the field's frame in the shape's.

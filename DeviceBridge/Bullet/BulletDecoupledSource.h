@@ -33,7 +33,7 @@ using ContactTopology [[deprecated("since 0.3: ContactThreading")]] = ContactThr
 
 struct BulletDecoupledSettings
 {
-	/// As BulletToolSettings::forDevice.
+	/// Settings with gains for a device and ticks of `period` [s]; BulletToolSettings::forDevice says from where.
 	static BulletDecoupledSettings forDevice(const DeviceInfo& info, double period = 1e-3, const AssumptionListener& onAssumed = {})
 	{
 		BulletDecoupledSettings settings;
@@ -104,7 +104,7 @@ public:
 	/// tree of its shape. `tool` must outlive this object, and so must `clock`, the stepping thread's clock.
 	BulletDecoupledSource(
 		btRigidBody& tool, std::shared_ptr<const ist::InnerSphereTree> tree, Clock& clock, const BulletDecoupledSettings& settings);
-	/// The same for a tool whose parts are those of its shape: the shape itself, or the children of a compound at any depth. Their trees
+	/// A tool whose parts are those of its shape: the shape itself, or the children of a compound at any depth. Their trees
 	/// are those that `world` has now. A part without a tree is felt in closed form, by bodies that have a tree. unfeltParts() counts the
 	/// others, and BulletWorldCoupling::unfeltReport() names them.
 	BulletDecoupledSource(btISTWorld& world, btRigidBody& tool, Clock& clock, const BulletDecoupledSettings& settings);

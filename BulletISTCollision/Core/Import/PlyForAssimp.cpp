@@ -72,7 +72,7 @@ size_t bodyOf(std::string_view bytes, size_t endOfHead)
 	return at + (bytes.substr(at, 2) == kLineEnds ? 2 : 1);
 }
 
-/// As plyForAssimp(), for a file without a byte order mark.
+/// What plyForAssimp() returns, for a file without a byte order mark.
 Result<std::optional<std::string>> plainForAssimp(std::string_view bytes)
 {
 	const std::optional<std::string> same;

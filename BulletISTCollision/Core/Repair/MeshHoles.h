@@ -14,7 +14,7 @@ struct ClosedHoles
 	/// areas times a quarter of their loops' extents, which is slightly more than a hemisphere over each round hole. Holes of
 	/// flat parts are not included: alone, these have no volume.
 	double doubt = 0;
-	/// The same estimate for the holes of flat parts [m^3]. Such parts may also be the walls of a body that is not welded.
+	/// This estimate for the holes of flat parts [m^3], which may also be the walls of a body that is not welded.
 	double doubtOfSheets = 0;
 };
 

@@ -283,7 +283,7 @@ private:
 		for (size_t i = 0; i + 1 < cuts.shares.size(); ++i)
 		{
 			const double here = cuts.shares[i], next = cuts.shares[i + 1];
-			// Of cuts in one place, like those of two triangles at their common edge, the last one decides.
+			// The last one of cuts in one place decides, as of two triangles at their common edge.
 			if (next - here < kMargin) continue;
 			if (!m_surface.contains(inner + along * (0.5 * (here + next)))) return at(here);
 		}
