@@ -138,8 +138,8 @@ MUTATIONS = {
         BRIDGE + "Loop/ModelAge.h", "if (late <= fullUntil) return 1;", "if (late >= 0) return 1;",
         "test_devices", "ModelAge.*"),
     "copies feel half of the tool": (
-        BRIDGE + "Bullet/BulletLocalWorld.cpp", "const ist::Wrench onBody = -1.0 * m_impulses[i];",
-        "const ist::Wrench onBody = -0.5 * m_impulses[i];",
+        BRIDGE + "Bullet/BulletLocalWorld.cpp", "const ist::Wrench onBody = -1.0 * impulse;",
+        "const ist::Wrench onBody = -0.5 * impulse;",
         "test_bridge", "BulletDecoupled.ImpulsesBalance*"),
     "copies that nothing carries": (
         BRIDGE + "Bullet/BulletLocalWorld.cpp", "i < world.contactCount; ++i)", "i < 0; ++i)",
