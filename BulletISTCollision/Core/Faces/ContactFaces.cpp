@@ -24,6 +24,7 @@ constexpr float kRounding = 1e-6f;
 constexpr float kLargestDepths = 0.5f;
 constexpr float kLargestRadii = 4;
 constexpr int kMostHalvings = 6, kStackSize = 96;
+constexpr int kAllQuarters = -1;
 
 typedef float Float4 __attribute__((vector_size(16)));
 
@@ -87,8 +88,9 @@ private:
 	void takeUncut(uint32_t element);
 	void addWhole(const FaceBatch& batch, int k);
 	void addCut(const FaceBatch& batch, int k);
-	void addUncut(uint32_t index);
+	void addUncut(uint32_t index, int quarter);
 	ElementPolygon wholePolygon() const;
+	ElementPolygon quarterPolygon(int quarter) const;
 	bool clipToDomain(ElementPolygon& polygon) const;
 	void overlay(const ElementPolygon& polygon);
 	bool isFar(const ElementPolygon& polygon, const DepthCell& cell) const;
@@ -171,14 +173,14 @@ void FaceCollector::take(const FaceBatch& batch)
 		const int k = std::countr_zero(b);
 		if (batch.faces >> k & 1) addWhole(batch, k);
 		else if (batch.cut >> k & 1) addCut(batch, k);
-		else addUncut(batch.element[k]);
+		else addUncut(batch.element[k], batch.isOfQuarters ? int(batch.quarter[k]) : kAllQuarters);
 	}
 	m_search.stop = m_list.isOverLimit();
 }
 
 void FaceCollector::takeUncut(uint32_t element)
 {
-	addUncut(element);
+	addUncut(element, kAllQuarters);
 	m_search.stop = m_list.isOverLimit();
 }
 
@@ -227,8 +229,8 @@ void FaceCollector::addCut(const FaceBatch& batch, int k)
 	addPolygon(wholePolygon(), {depth(0), depth(1), depth(2), depth(3), depth(4), depth(5)}, 0);
 }
 
-/// Cuts an element at the domain and at the planes of the partition.
-void FaceCollector::addUncut(uint32_t index)
+/// Cuts an element, or a quarter of it, at the domain and at the planes of the partition.
+void FaceCollector::addUncut(uint32_t index, int quarter)
 {
 	const SurfaceElement& e = m_elements[index];
 	const Mat3& R = m_X.rotation;
@@ -253,7 +255,7 @@ void FaceCollector::addUncut(uint32_t index)
 	}
 	m_areaScale = e.isTriangle ? 2.0 * e.area : 0.25 * e.area;
 	for (int axis = 0; axis < 3; ++axis) m_frame[axis] = Float4{float(m_e1[axis]), float(m_e2[axis]), float(m_center[axis]), 0};
-	ElementPolygon polygon = wholePolygon();
+	ElementPolygon polygon = quarter == kAllQuarters ? wholePolygon() : quarterPolygon(quarter);
 	if (clipToDomain(polygon)) overlay(polygon);
 }
 
@@ -273,6 +275,27 @@ ElementPolygon FaceCollector::wholePolygon() const
 		polygon.add(1, 1);
 		polygon.add(-1, 1);
 	}
+	return polygon;
+}
+
+/// Quarters have the order of the kernels' takeQuarters.
+ElementPolygon FaceCollector::quarterPolygon(int quarter) const
+{
+	const bool right = quarter & 1, upper = quarter & 2;
+	const float least = m_isTriangle ? 0 : -1, half = 0.5f * (1 - least);
+	ElementPolygon polygon;
+	if (m_isTriangle && right && upper)
+	{
+		polygon.add(half, half);
+		polygon.add(0, half);
+		polygon.add(half, 0);
+		return polygon;
+	}
+	const float s = right ? least + half : least, t = upper ? least + half : least;
+	polygon.add(s, t);
+	polygon.add(s + half, t);
+	if (!m_isTriangle) polygon.add(s + half, t + half);
+	polygon.add(s, t + half);
 	return polygon;
 }
 

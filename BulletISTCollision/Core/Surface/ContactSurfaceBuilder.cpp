@@ -80,13 +80,15 @@ public:
 
 	/// False if the caller cancelled.
 	bool splitAll(const Progress& progress);
-	/// Splits flat clusters whose parallelogram would stand out of their face, as those around a hole do.
+	/// Splits flat clusters whose parallelogram would stand out of their face, as those around a hole do. What is left of them is cut along
+	/// the hole.
 	void splitRims();
 	const std::vector<SplitNode>& nodes() const { return m_nodes; }
 	const std::vector<SurfacePiece>& pieces() const { return m_pieces; }
 
 private:
 	void addNode(std::vector<uint32_t> members);
+	double outlineTolerance(const SurfaceCluster& cluster) const;
 	FacePolygon outlineOf(const SurfaceCluster& cluster) const;
 	void findFace(SurfaceCluster& cluster) const;
 	bool isFinished(const SurfaceCluster& cluster) const;
@@ -116,10 +118,9 @@ double priority(const SurfaceCluster& c)
 
 size_t elementsOf(const SurfaceCluster& c) { return c.face.empty() ? 1 : elementsOfPolygon(c.face); }
 
-FacePolygon Builder::outlineOf(const SurfaceCluster& c) const
-{
-	return convexFace(m_pieces, c, kOutline * std::min(std::sqrt(m_elementArea), c.radius));
-}
+double Builder::outlineTolerance(const SurfaceCluster& c) const { return kOutline * std::min(std::sqrt(m_elementArea), c.radius); }
+
+FacePolygon Builder::outlineOf(const SurfaceCluster& c) const { return convexFace(m_pieces, c, outlineTolerance(c)); }
 
 /// A flat cluster keeps its outline if that does not take many more elements than its area is worth.
 void Builder::findFace(SurfaceCluster& c) const
@@ -212,6 +213,9 @@ void Builder::splitRims()
 		if (const uint32_t child = m_nodes[index].child)
 			for (const uint32_t i : {child, child + 1}) add(i);
 	}
+	for (SplitNode& node : m_nodes)
+		if (!node.child && node.cluster.isFlat && node.cluster.face.empty())
+			node.cluster.face = faceWithin(m_pieces, node.cluster, outlineTolerance(node.cluster));
 }
 
 /// Writes the nodes and elements of the tree in depth-first order, and widens the balls so that they hold the sheets.

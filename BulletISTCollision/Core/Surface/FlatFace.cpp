@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/Surface/FlatFace.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace ist
 {
@@ -12,8 +13,11 @@ constexpr double kSame = 1e-6;  // relative difference of areas, lengths and rig
 // Least height, as a share of the tolerance, of a concave arc that is not taken for its chord.
 constexpr double kConcave = 0.05;
 
-// A simpler outline must keep this share of the area.
-constexpr double kLeastKept = 0.5;
+// A simpler outline must keep this share of the area, and one that was cut along a hole this.
+constexpr double kLeastKept = 0.5, kLeastWithin = 0.7;
+
+// Pieces of the largest cluster that is cut along a hole.
+constexpr size_t kMostCut = 256;
 
 // Coordinates are rounded to this share of the radius. Whole numbers make the turns of the hull exact.
 constexpr double kGrid = 0x1p-28;
@@ -87,6 +91,75 @@ void simplify(FacePolygon& polygon, double tolerance)
 		polygon = std::move(kept);
 	}
 }
+
+/// A triangle in the coordinates of an edge: along it, and above it.
+struct EdgePiece
+{
+	double along[3], height[3];
+
+	/// Height at which the piece begins above a place on the edge; infinite beside the piece.
+	double lowestAt(double x) const
+	{
+		double lowest = std::numeric_limits<double>::infinity();
+		for (int i = 0, j = 2; i < 3; j = i++)
+		{
+			if ((along[i] < x) == (along[j] < x)) continue;
+			const double share = (x - along[i]) / (along[j] - along[i]);
+			lowest = std::min(lowest, height[i] + share * (height[j] - height[i]));
+		}
+		return lowest;
+	}
+};
+
+/// How far the air reaches from the edge of the hull that begins at corner `i` up to the cluster.
+double airAbove(const FacePolygon& hull, size_t i, const std::vector<SurfacePiece>& pieces, const SurfaceCluster& c)
+{
+	const Vec3 &a = hull[i], &b = hull[(i + 1) % hull.size()];
+	const Vec3 along = normalized(b - a), up = cross(c.frame.normal, along);
+	const double length = distance(a, b);
+	std::vector<EdgePiece> above;
+	std::vector<double> places{0, length};
+	for (const uint32_t k : c.pieces)
+	{
+		EdgePiece& piece = above.emplace_back();
+		for (int corner = 0; corner < 3; ++corner)
+		{
+			const Vec3 y = pieces[k].corners[corner] - a;
+			piece.along[corner] = dot(y, along);
+			piece.height[corner] = dot(y, up);
+			if (piece.along[corner] > 0 && piece.along[corner] < length) places.push_back(piece.along[corner]);
+		}
+	}
+	std::sort(places.begin(), places.end());
+	// The lower border is straight between two corners, but for a piece that ends on the way.
+	double highest = 0;
+	for (size_t k = 0; k + 1 < places.size(); ++k)
+	{
+		const double step = kSame * (places[k + 1] - places[k]);
+		if (!(places[k + 1] - places[k] > kSame * length)) continue;
+		for (const double x : {places[k] + step, places[k + 1] - step})
+		{
+			double lowest = std::numeric_limits<double>::infinity();
+			for (const EdgePiece& piece : above) lowest = std::min(lowest, piece.lowestAt(x));
+			if (std::isfinite(lowest)) highest = std::max(highest, lowest);
+		}
+	}
+	return highest;
+}
+
+/// Keeps the part of a convex polygon on the side of a plane to which `up` points.
+FacePolygon above(const FacePolygon& polygon, const Vec3& point, const Vec3& up)
+{
+	FacePolygon kept;
+	for (size_t i = 0; i < polygon.size(); ++i)
+	{
+		const Vec3 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
+		const double from = dot(up, p - point), to = dot(up, q - point);
+		if (from >= 0) kept.push_back(p);
+		if (from * to < 0) kept.push_back(p + (q - p) * (from / (from - to)));
+	}
+	return kept;
+}
 }  // namespace
 
 double areaOfPolygon(const FacePolygon& polygon)
@@ -111,6 +184,23 @@ FacePolygon convexFace(const std::vector<SurfacePiece>& pieces, const SurfaceClu
 	// Little is left of a strip that is narrower than the tolerance.
 	if (areaOfPolygon(polygon) < kLeastKept * cluster.area) return {};
 	return polygon;
+}
+
+FacePolygon faceWithin(const std::vector<SurfacePiece>& pieces, const SurfaceCluster& cluster, double tolerance)
+{
+	if (cluster.pieces.size() > kMostCut) return {};
+	const FacePolygon hull = convexHull(pieces, cluster);
+	FacePolygon polygon = hull;
+	for (size_t i = 0; i < hull.size() && polygon.size() >= 3; ++i)
+	{
+		const double air = airAbove(hull, i, pieces, cluster);
+		if (!(air > kSame * cluster.radius)) continue;
+		const Vec3 up = cross(cluster.frame.normal, normalized(hull[(i + 1) % hull.size()] - hull[i]));
+		polygon = above(polygon, hull[i] + up * air, up);
+	}
+	if (polygon.size() < 3) return {};
+	simplify(polygon, std::max(tolerance, kSame * cluster.radius));
+	return areaOfPolygon(polygon) < kLeastWithin * cluster.area ? FacePolygon() : polygon;
 }
 
 bool isRectangle(const FacePolygon& p)

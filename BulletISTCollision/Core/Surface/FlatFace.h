@@ -17,6 +17,10 @@ FacePolygon convexFace(const std::vector<SurfacePiece>& pieces, const SurfaceClu
 /// Area by which the convex hull of a flat cluster is larger than the cluster [m^2]: how far an element would stand out of a hole.
 double overreach(const std::vector<SurfacePiece>& pieces, const SurfaceCluster& cluster);
 
+/// A convex polygon within a flat cluster: the convex hull without what stands out of the cluster, cut along straight lines. Empty if
+/// little would be left, or if the cluster has too many pieces. For clusters at the rim of a hole. O(n^2) for n pieces.
+FacePolygon faceWithin(const std::vector<SurfacePiece>& pieces, const SurfaceCluster& cluster, double tolerance);
+
 double areaOfPolygon(const FacePolygon& polygon);
 bool isRectangle(const FacePolygon& polygon);
 /// Number of elements that represent the polygon: one for a rectangle, otherwise one for each triangle.

@@ -63,8 +63,7 @@ private:
 	void sampleQuarters();
 	template <bool isQuarter> void sample(const uint32_t* list, int count);
 	template <bool isQuarter> void sampleLanes(const uint32_t* list, int first, uint32_t lanes);
-	IST_INLINE uint32_t needsPlanes(
-		const ElementLanes& e, const DepthSamples& samples, const CornerDepths& corners, F misfit, const F& size) const;
+	IST_INLINE F misfitOfCorners(const ElementLanes& e, const CornerDepths& corners) const;
 
 	void clearBatch() { m_batch.faces = m_batch.cut = m_batch.planes = 0; }
 	void sendBatch()
@@ -175,6 +174,7 @@ template <bool isQuarter> void FaceFinder::sample(const uint32_t* list, int coun
 	count = count < kFaceBatch ? count : kFaceBatch;
 	(isQuarter ? m_search.quarters : m_search.sampled) += count;
 	clearBatch();
+	m_batch.isOfQuarters = isQuarter;
 	uint32_t padded[kFaceBatch];
 	for (int k = 0; k < kFaceBatch; ++k) padded[k] = list[k < count ? k : count - 1];
 	for (int first = 0; first < count; first += kLanes)
@@ -182,12 +182,9 @@ template <bool isQuarter> void FaceFinder::sample(const uint32_t* list, int coun
 	sendBatch();
 }
 
-/// Elements in cells without error that must be cut at the planes: the depth at a corner is not that of the fit.
-IST_INLINE uint32_t FaceFinder::needsPlanes(
-	const ElementLanes& e, const DepthSamples& samples, const CornerDepths& corners, F misfit, const F& size) const
+/// How far the fit is from the depth at the corners [m]. Outside, where the depth is not known, as far as it is positive.
+IST_INLINE F FaceFinder::misfitOfCorners(const ElementLanes& e, const CornerDepths& corners) const
 {
-	const uint32_t exact = F::less(samples.error, all(m_search.rounding));
-	if (!exact) return 0;
 	F3 x[4];
 	Int part[4];
 	IST_UNROLL
@@ -195,9 +192,14 @@ IST_INLINE uint32_t FaceFinder::needsPlanes(
 		x[i] = e.center + corners.s[i] * e.e1 + corners.t[i] * e.e2 -
 			(e.k12 * corners.s[i] * corners.t[i] + all(1 / 3.0f) * (e.k11 + e.k22)) * e.unit;
 	findParts(m_search, x, part);
+	F misfit = all(0);
 	_Pragma("GCC unroll 1") for (int i = 0; i < 4; ++i)
-		misfit = F::larger(misfit, absolute(depthAt(m_search, part[i], x[i]).depth - corners.depth[i]));
-	return exact & F::less(all(kExactMisfit) * size, misfit);
+	{
+		const DepthLanes at = depthAt(m_search, part[i], x[i]);
+		const F off = absolute(at.depth - corners.depth[i]);
+		misfit = F::larger(misfit, F::select(at.outside, F::larger(corners.depth[i], all(0)), off));
+	}
+	return misfit;
 }
 
 /// Samples the depth and fits a quadratic function of the coordinates. Whole elements become faces, and those that the zero level crosses
@@ -225,20 +227,27 @@ template <bool isQuarter> __attribute__((noinline)) void FaceFinder::sampleLanes
 	const F alike = F::smaller(F::larger(all(-2) * dot(samples.gradient, e.unit), all(0)), all(1));
 	const F flush = all(kFlushErrors) * alike * (samples.error + e.error) + all(m_search.rounding);
 	const F top = corners.largest + F::larger(all(0), bend);
-	const F misfit = misfitOf(e, samples);
+	F misfit = misfitOf(e, samples);
 	// Where a quadric falls too steeply, far from the body, no corner tells whether it is inside. The planes do.
-	const uint32_t doubtful = samples.doubtful & F::less(-flush, top);
-	uint32_t planes = isQuarter ? 0 : (needsPlanes(e, samples, corners, misfit, size) | doubtful) & near;
+	uint32_t planes = samples.doubtful & F::less(-flush, top) & near;
+	const uint32_t exact = F::less(samples.error, all(m_search.rounding)), zero = F::less(all(0), isQuarter ? top : top + misfit);
+	const uint32_t asked = near & ~planes & ((zero & F::less(corners.least, all(0))) | (isQuarter ? 0 : exact));
+	if (asked)
+	{
+		const F ofCorners = misfitOfCorners(e, corners);
+		if constexpr (!isQuarter) planes |= asked & exact & F::less(all(kExactMisfit) * size, F::larger(misfit, ofCorners));
+		misfit = F::select(asked, F::larger(misfit, ofCorners), misfit);
+	}
 	const uint32_t within = F::less(top, flush) & F::less(-flush, corners.least) & F::less(-flush, top) & ~planes & near;
 	const uint32_t whole = ~F::less(corners.least, all(0)) & ~within & ~planes & near;
-	uint32_t rim = F::less(all(0), isQuarter ? top : top + misfit) & ~whole & ~within & ~planes & near;
-	if constexpr (!isQuarter)
-	{
-		planes |= rim & F::less(all(kCreaseMisfit) * size, misfit);
-		rim &= ~planes;
-		m_batch.planes |= planes << first;
-	}
+	uint32_t rim = zero & ~whole & ~within & ~planes & near;
+	const uint32_t crease = rim & F::less(all(isQuarter ? kMostMisfit : kCreaseMisfit) * size, misfit);
+	planes |= crease;
+	rim &= ~crease;
+	m_batch.planes |= planes << first;
 	for (int k = 0; k < kLanes; ++k) m_batch.element[first + k] = index[k];
+	if constexpr (isQuarter)
+		for (int k = 0; k < kLanes; ++k) m_batch.quarter[first + k] = list[k] & 3;
 	store(cellOf(samples.part), m_batch.cell + first);
 	if constexpr (!isQuarter)
 	{

@@ -55,9 +55,11 @@ struct FaceBatch
 	};
 	alignas(64) float column[ColumnCount][kFaceBatch];
 	alignas(64) uint32_t element[kFaceBatch], cell[kFaceBatch];
+	uint32_t quarter[kFaceBatch];  ///< number of the quarter, of batches of quarters
+	bool isOfQuarters;
 	uint32_t faces;   ///< bit k: element k is a face
 	uint32_t cut;     ///< bit k: element k must be cut where the depth is zero
-	uint32_t planes;  ///< bit k: element k must be cut at the planes of the partition
+	uint32_t planes;  ///< bit k: element k, or its quarter, must be cut at the planes of the partition
 };
 
 /// The tables of a field (QueryTables), and its cells.

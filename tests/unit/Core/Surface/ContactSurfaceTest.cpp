@@ -192,6 +192,65 @@ TEST(ContactSurface, FacesThatAreNarrowerThanTheOutlinesToleranceKeepTheirArea)
 	}
 }
 
+/// Block with a bore along z, whose flat faces have triangles from the rim to the outside.
+Mesh blockWithBore(double radius, double halfWidth, double halfHeight, int segments)
+{
+	Mesh mesh;
+	for (int i = 0; i < segments; ++i)
+	{
+		const double angle = 2 * std::numbers::pi * i / segments, c = std::cos(angle), s = std::sin(angle);
+		const double outer = halfWidth / std::max(std::fabs(c), std::fabs(s));
+		for (const double z : {-halfHeight, halfHeight})
+			for (const double r : {radius, outer}) mesh.vertices.push_back({r * c, r * s, z});
+	}
+	const auto quad = [&](uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+		mesh.triangles.push_back({a, b, c});
+		mesh.triangles.push_back({a, c, d});
+	};
+	for (uint32_t i = 0; i < uint32_t(segments); ++i)
+	{
+		const uint32_t a = 4 * i, b = 4 * ((i + 1) % uint32_t(segments));
+		quad(a, b, b + 1, a + 1);          // lower face, wound below
+		quad(a + 2, a + 3, b + 3, b + 2);  // upper face
+		quad(a, a + 2, b + 2, b);          // bore
+		quad(a + 1, b + 1, b + 3, a + 3);  // outside
+	}
+	return mesh;
+}
+
+TEST(ContactSurface, FlatFacesDoNotReachIntoTheirHoles)
+{
+	constexpr double kRadius = 0.01;
+	for (const int segments : {24, 96, 256})
+		for (const int64_t asked : {300, 1000, 3000})
+		{
+			const ContactSurface surface = surfaceOf(blockWithBore(kRadius, 0.03, 0.02, segments), asked);
+			const double inner = kRadius * std::cos(std::numbers::pi / segments);  // of the mesh
+			double least = kRadius, area = 0;
+			for (const SurfaceElement& e : surface.elements)
+			{
+				area += e.area;
+				if (std::fabs(e.normal[2]) < 0.999) continue;
+				const auto points = e.isTriangle ? std::vector<std::pair<int, int>>{{0, 0}, {1, 0}, {0, 1}}
+												 : std::vector<std::pair<int, int>>{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+				for (size_t i = 0; i < points.size(); ++i)
+				{
+					const auto [s, t] = points[i];
+					const auto [s1, t1] = points[(i + 1) % points.size()];
+					const Vec3 a = SheetPoint(e, s, t).position, b = SheetPoint(e, s1, t1).position;
+					for (const double share : {0.0, 0.25, 0.5, 0.75})
+					{
+						const Vec3 p = a + (b - a) * share;
+						least = std::min(least, std::hypot(p.x, p.y));
+					}
+				}
+			}
+			// The chord of a flat arc may stand for it.
+			EXPECT_GT(least, inner - 1.2e-3 * std::sqrt(area / double(asked))) << segments << ' ' << asked;
+			EXPECT_NEAR(area, surfaceArea(blockWithBore(kRadius, 0.03, 0.02, segments)), 1e-5 * area);
+		}
+}
+
 TEST(ContactSurface, LongFacesAreCutAcross)
 {
 	const ContactSurface surface = surfaceOf(placed(makeBoxMesh({0.05, 0.04, 2}), 3), 500);
