@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Base/SymmetricEigen.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace ist
 {
@@ -11,6 +12,19 @@ namespace
 {
 /// A direction is never taken as better than the worst by more than this factor of the error.
 constexpr double kLeastVariance = 1e-6;
+
+/// The axes of the coordinates where there are none.
+void setPrincipalAxes(const SymmetricMatrix3& p, Vec3* axes)
+{
+	SymmetricEigen<3> eigen;
+	const bool solved = p.trace() > 0 && eigen.decompose({{p.xx, p.xy, p.xz}, {p.xy, p.yy, p.yz}, {p.xz, p.yz, p.zz}});
+	for (int k = 0; k < 3; ++k)
+	{
+		axes[k] = {};
+		if (solved) axes[k] = {eigen.vectors[k][0], eigen.vectors[k][1], eigen.vectors[k][2]};
+		else axes[k][k] = 1;
+	}
+}
 }  // namespace
 
 void FaceVolume::addArea(const ContactFace& face)
@@ -22,31 +36,22 @@ void FaceVolume::addArea(const ContactFace& face)
 	m_cuts += weight;
 	m_rim += weight * face.center;
 	m_spread += SymmetricMatrix3::square(face.center) * weight;
+	m_normals += SymmetricMatrix3::square(face.areaNormal * (face.cut / face.area));
 }
 
 void FaceVolume::fit()
 {
 	if (m_area > 0) m_origin = m_centroid = m_centroid / m_area;
-	SymmetricEigen<3> eigen;
-	bool solved = false;
-	if (m_cuts > 0)
-	{
-		m_origin = m_rim / m_cuts;
-		const SymmetricMatrix3 p = m_spread + SymmetricMatrix3::square(m_origin) * -m_cuts;
-		solved = eigen.decompose({{p.xx, p.xy, p.xz}, {p.xy, p.yy, p.yz}, {p.xz, p.yz, p.zz}});
-	}
-	for (int k = 0; k < 3; ++k)
-	{
-		if (solved) m_axes[k] = {eigen.vectors[k][0], eigen.vectors[k][1], eigen.vectors[k][2]};
-		else m_axes[k][k] = 1;
-	}
+	if (m_cuts > 0) m_origin = m_rim / m_cuts;
+	setPrincipalAxes(m_spread + SymmetricMatrix3::square(m_origin) * -m_cuts, m_axes);
+	setPrincipalAxes(m_normals, m_axes + 3);
 }
 
 void FaceVolume::addCut(const ContactFace& face)
 {
 	if (face.cut == 0) return;
 	const Vec3 from = face.center - m_origin;
-	for (int k = 0; k < 3; ++k)
+	for (int k = 0; k < kAxes; ++k)
 	{
 		const double height = dot(from, m_axes[k]) * dot(face.areaNormal, m_axes[k]) * face.cut / face.area;
 		m_variance[k] += height * height;
@@ -55,16 +60,16 @@ void FaceVolume::addCut(const ContactFace& face)
 
 void FaceVolume::finish()
 {
-	const double largest = *std::max_element(m_variance, m_variance + 3);
+	const double largest = *std::max_element(std::begin(m_variance), std::end(m_variance));
 	double sum = 0;
-	for (int k = 0; k < 3; ++k) sum += m_weights[k] = largest > 0 ? 1 / (m_variance[k] + kLeastVariance * largest) : 1;
+	for (int k = 0; k < kAxes; ++k) sum += m_weights[k] = largest > 0 ? 1 / (m_variance[k] + kLeastVariance * largest) : 1;
 	for (double& weight : m_weights) weight /= sum;
 }
 
 double FaceVolume::variance() const
 {
 	double sum = 0;
-	for (int k = 0; k < 3; ++k) sum += m_weights[k] * m_weights[k] * m_variance[k];
+	for (int k = 0; k < kAxes; ++k) sum += m_weights[k] * m_weights[k] * m_variance[k];
 	return sum;
 }
 
@@ -72,7 +77,7 @@ double FaceVolume::of(const ContactFace& face) const
 {
 	const Vec3 from = face.center - m_origin;
 	double volume = 0;
-	for (int k = 0; k < 3; ++k)
+	for (int k = 0; k < kAxes; ++k)
 		volume += m_weights[k] * (dot(from, m_axes[k]) * dot(face.areaNormal, m_axes[k]) + dot(m_axes[k], face.spread * m_axes[k]));
 	return volume;
 }

@@ -8,8 +8,8 @@ namespace ist
 {
 /// The volume that closed surfaces enclose is, for every unit vector u, the integral of (x - o).u n.u over them, with any origin o. Faces
 /// that are cut inexactly leave gaps along the rim of a contact, and each direction feels them differently: where the rim lies in a plane,
-/// the direction across it does not. This class takes the rim's middle and principal axes, and weights the axes by the inverse of their
-/// error.
+/// the direction across it does not; where faces lie along a cylinder, its axis does not. This class takes the rim's middle, its principal
+/// axes, and those of the normals there, and weights the axes by the inverse of their error.
 ///
 /// Call `addArea` for all faces, then `fit`, then `addCut` for all faces, then `finish`; then `of(face)` is a face's share of the volume.
 class FaceVolume
@@ -29,12 +29,15 @@ public:
 	double area() const { return m_area; }
 
 private:
-	double m_area = 0, m_variance[3] = {};
+	static constexpr int kAxes = 6;
+
+	double m_area = 0, m_variance[kAxes] = {};
 	Vec3 m_centroid, m_origin;
-	double m_cuts = 0;          // sum of cut^2
-	Vec3 m_rim;                 // sum of cut^2 x
-	SymmetricMatrix3 m_spread;  // sum of cut^2 x x^T
-	Vec3 m_axes[3];
-	double m_weights[3] = {};
+	double m_cuts = 0;           // sum of cut^2
+	Vec3 m_rim;                  // sum of cut^2 x
+	SymmetricMatrix3 m_spread;   // sum of cut^2 x x^T
+	SymmetricMatrix3 m_normals;  // sum of cut^2 n n^T
+	Vec3 m_axes[kAxes];
+	double m_weights[kAxes] = {};
 };
 }  // namespace ist
