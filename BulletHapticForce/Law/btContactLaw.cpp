@@ -165,7 +165,9 @@ double stiffnessOfStop(const btISTContact& contact, const btContactLoad& load, d
 	const double thickness = contact.thickness(), inStep = std::max(kSpare * contact.constants.depth, kDepthOfStep * thickness),
 				 inAll = kDepthOfImpact * thickness, v = load.approach();
 	const double stops = load.mass * v * v / (std::max(area, kAreaOfImpact * smallerSurface(contact)) * inAll * inAll);
-	return v * h > inStep ? std::max(stops, load.mass * v / (h * area * inStep)) : stops;
+	// What the weight adds within a step is no impact: it presses.
+	const double impact = v - contact.constants.gravity * h;
+	return impact * h > inStep ? std::max(stops, load.mass * v / (h * area * inStep)) : stops;
 }
 
 /// A stiffer contact stores more energy at the same depth. Damping must have taken it before, or the growth waits. What damping has taken
@@ -241,7 +243,11 @@ double carryLoad(btISTContact& contact, const btContactLoad& load, double h)
 		constants.k = k;
 		constants.rule = btISTStiffnessRule::Pressed;
 	};
-	const double pressed = norm(contact.pressed) / (area * constants.depth), former = contact.grown;
+	const double former = contact.grown;
+	// At rest both are the same. In a contact that has just begun, or in the slivers of a fit, the area says little, but the depth shows
+	// that nothing presses.
+	double pressed = norm(contact.pressed) / (area * constants.depth);
+	if (former > 0) pressed = std::min(pressed, former * ist::meanDepth(contact.total) / constants.depth);
 	// Bodies that begin inside one another may use the energy of a soft contact only.
 	const bool isNew = !contact.tank.open && !(contact.ahead > 0);
 	double needed = std::max(constants.k, pressed);

@@ -65,11 +65,11 @@ private:
 };
 
 /// Decides the stiffness k of a pair whose stiffness follows from a load, once per step, before its patches are solved:
-/// - k is at least what carries `load.weight` at the depth of the pair's rule, and what has lately pressed (btISTContact::pressed). By
-///   what presses, k grows by at most 1 % in a step of 1 ms, 19 % in 1/240 s, and 172 % in 10 ms or longer.
+/// - k is at least what carries `load.weight` at the depth of the pair's rule, and what has lately pressed (btISTContact::pressed), as far
+///   as the contact is that deep. By what presses, k grows by at most 1 % in a step of 1 ms, 19 % in 1/240 s, and 172 % in 10 ms or longer.
 /// - k stops an approach v within the depth d, a tenth of the thinner body's thickness: k >= m v^2 / (A d^2).
-/// - k stops it within this step, where the way v h is longer than d = max(4 times the rule's depth, 0.2 % of that thickness): k >=
-///   m v / (h A d).
+/// - k stops it within this step, where the way (v - g h) h is longer than d = max(4 times the rule's depth, 0.2 % of that thickness): k >=
+///   m v / (h A d). What gravity g adds within the step is left out of the way: a body at rest has no impact.
 /// - Energy that the growth of a loaded contact stores comes from what its damping has taken, or the growth waits.
 /// - k is at most what a step of `h` [s] can bear: h^2 k A / m <= kStiffestPerStep. A is the present area. m is the lighter mass, or half
 ///   of the mass whose weight has lately pressed.
