@@ -83,7 +83,8 @@ public:
 /// of the mean surface gaps and 0.1 % of the size, and at most 0.5 % of it.
 /// Weights are 1/2 each; on a half-space its field has all the weight. A body weighs its mass times its own gravity
 /// (btRigidBody::getGravity), or times `gravity` if it has none. If neither body can move, the load is the smaller body's weight in
-/// water's density. Dissipation is 5 s/m: no body leaves contact faster than 0.2 m/s, and half of the speed comes back at 0.3 m/s.
+/// water's density. Dissipation is 5 s/m: no body leaves contact faster than 0.2 m/s, and half of the speed comes back at 0.3 m/s. Where
+/// gravity g is larger than that of the earth, as in a world of centimetres, it is 49 m/s / g.
 class btISTDefaultPairRule : public btISTPairRule
 {
 public:

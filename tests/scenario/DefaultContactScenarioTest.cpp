@@ -257,3 +257,33 @@ TEST(DefaultContact, AnOverhangOfTwoFifthsStaysAndOneOfMoreThanHalfTips)
 		}
 	}
 }
+
+// A world in centimetres, or with 1,024 units to the metre, moves as one in metres.
+TEST(DefaultContact, UnitsOfLengthDoNotMatter)
+{
+	constexpr int kTimes = 12;
+	double heights[3][kTimes], tilts[3][kTimes];
+	const double units[3] = {1, 100, 1024};  // to the metre
+	for (int u = 0; u < 3; ++u)
+	{
+		const double unit = units[u];
+		const Solid ground(ist::makeBoxMesh(Vec3{1, .25, 1} * unit), 400), ring(upright(ist::makeTorusMesh(.15 * unit, .05 * unit)), 1000);
+		Scene scene;
+		scene.world.bullet().setGravity(btVector3(0, btScalar(-kGravity * unit), 0));
+		scene.add(scene.volumetricShape(ground), 0, 0, at(Vec3{0, -.25, 0} * unit));
+		btRigidBody* body = scene.add(scene.volumetricShape(ring), 4, 4 * .01 * unit * unit, at(Vec3{0, .2, 0} * unit));
+		for (int i = 0; i < kTimes; ++i)
+		{
+			scene.run(.1, 240);
+			heights[u][i] = height(body) / unit;
+			tilts[u][i] = tilt(body);
+		}
+		EXPECT_NEAR(heights[u][kTimes - 1], .05, 2e-4) << unit;
+	}
+	for (int u = 1; u < 3; ++u)
+		for (int i = 0; i < kTimes; ++i)
+		{
+			EXPECT_NEAR(heights[u][i], heights[0][i], 2e-4) << units[u] << ' ' << i;
+			EXPECT_NEAR(tilts[u][i], tilts[0][i], 2e-3) << units[u] << ' ' << i;
+		}
+}
