@@ -156,14 +156,14 @@ void Bench::pin()
 		std::printf("pin, clearance %.2f mm: %.4f mm^3 when free;", 1e3 * clearance, 1e9 * most);
 		for (const double beyond : {5e-6, 20e-6, 100e-6})
 		{
-			// First order in the depth: d = e cos(t) - c along the bore.
+			// First order in the depth: d = e cos(t) - c along the bore, on the surface between the two.
 			const double e = clearance + beyond;
 			double exact = 0;
 			constexpr int kParts = 100000;
 			for (int i = 0; i < kParts; ++i)
 			{
 				const double t = 2 * kPi * (i + 0.5) / kParts;
-				exact += kRadius * kLength * std::max(0.0, e * std::cos(t) - clearance) * std::cos(t) * 2 * kPi / kParts;
+				exact += (kRadius + clearance / 2) * kLength * std::max(0.0, e * std::cos(t) - clearance) * std::cos(t) * 2 * kPi / kParts;
 			}
 			double ratio = 0, off = 0;
 			for (int turn = 0; turn < 20; ++turn)

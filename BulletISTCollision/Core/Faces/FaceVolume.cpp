@@ -12,6 +12,7 @@ namespace
 {
 /// A direction is never taken as better than the worst by more than this factor of the error.
 constexpr double kLeastVariance = 1e-6;
+constexpr double kExact = 1e-6;  // error of a surface, as a share of the size of the faces together, that is only rounding
 
 /// The axes of the coordinates where there are none.
 void setPrincipalAxes(const SymmetricMatrix3& p, Vec3* axes)
@@ -50,11 +51,13 @@ void FaceVolume::fit()
 void FaceVolume::addCut(const ContactFace& face)
 {
 	if (face.cut == 0) return;
+	const bool isInexact = face.error > kExact * std::sqrt(m_area);
 	const Vec3 from = face.center - m_origin;
 	for (int k = 0; k < kAxes; ++k)
 	{
 		const double height = dot(from, m_axes[k]) * dot(face.areaNormal, m_axes[k]) * face.cut / face.area;
 		m_variance[k] += height * height;
+		if (isInexact) m_inexact[k] += height * height;
 	}
 }
 
@@ -66,10 +69,10 @@ void FaceVolume::finish()
 	for (double& weight : m_weights) weight /= sum;
 }
 
-double FaceVolume::variance() const
+double FaceVolume::combined(const double (&variance)[kAxes]) const
 {
 	double sum = 0;
-	for (int k = 0; k < kAxes; ++k) sum += m_weights[k] * m_weights[k] * m_variance[k];
+	for (int k = 0; k < kAxes; ++k) sum += m_weights[k] * m_weights[k] * variance[k];
 	return sum;
 }
 

@@ -22,7 +22,9 @@ public:
 	/// Share of the face in the volume [m^3]; of either sign.
 	double of(const ContactFace& face) const;
 	/// Estimated variance of the volume, from the pieces that were cut at the other body's curved surface [m^6].
-	double variance() const;
+	double variance() const { return combined(m_variance); }
+	/// The part of it that is of surfaces that are not exact: plane faces are cut exactly by planes.
+	double inexactVariance() const { return combined(m_inexact); }
 	/// Centroid of the faces [m].
 	const Vec3& centroid() const { return m_centroid; }
 	/// Area of the faces [m^2].
@@ -31,7 +33,9 @@ public:
 private:
 	static constexpr int kAxes = 6;
 
-	double m_area = 0, m_variance[kAxes] = {};
+	double combined(const double (&variance)[kAxes]) const;
+
+	double m_area = 0, m_variance[kAxes] = {}, m_inexact[kAxes] = {};
 	Vec3 m_centroid, m_origin;
 	double m_cuts = 0;           // sum of cut^2
 	Vec3 m_rim;                  // sum of cut^2 x

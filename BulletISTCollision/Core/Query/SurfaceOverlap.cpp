@@ -18,6 +18,9 @@ namespace
 {
 /// A part of a contact has at least this share of the volume that its depths say, whatever its faces enclose.
 constexpr double kLeastOfColumns = 0.3;
+/// How much more than its own error says the volume that faces enclose is trusted to be off, as a factor of the variance: the gaps along a
+/// rim err alike.
+constexpr double kGapsErrAlike = 9;
 /// The damping of columns is scaled to the volume by at most this factor.
 constexpr double kMostOfColumns = 4;
 /// Share of a pressure below which it has no direction, and the rank of such a face (PairStream::Rank).
@@ -163,10 +166,22 @@ struct OverlapPart
 {
 	FaceVolume form;
 	double volume = 0, columns = 0, columnsOfA = 0, depth = 0;  ///< columnsOfA: those on faces of A
-	Vec3 normalA, normalB;                                      ///< integrals of the normals [m^3]
+	double flush = 0;       ///< area of faces that lie in the other surface: columns do not know their volume
+	double variance = 0;    ///< of the volume
+	Vec3 normalA, normalB;  ///< integrals of the normals [m^3]
 	DepthIntegral depths;
 	bool hasCones = false;
 
+	/// Joins what the faces enclose with the columns between them. Columns are exact where the two surfaces lie along each other, and say
+	/// so: those of both bodies are equal then, and as large as the depth.
+	void joinColumns()
+	{
+		const double ofForm = kGapsErrAlike * form.inexactVariance(), ofB = columns + columns - columnsOfA;
+		const double off = 0.5 * std::fabs(ofB - columnsOfA) + std::fabs(0.5 * depth - columns) + flush * std::sqrt(form.area());
+		const double sum = ofForm + off * off, share = sum > 0 ? ofForm / sum : 0;
+		volume += share * (columns - volume);
+		variance = (1 - share) * (1 - share) * form.variance() + share * share * off * off;
+	}
 	/// Share of an integral of normals that is no larger than the volume, as no integral of unit normals can be. Where a contact is
 	/// shallower than the errors of a depth field, its volume is more exact.
 	double within(const Vec3& normals) const { return norm(normals) > volume ? volume / norm(normals) : 1; }
@@ -400,6 +415,7 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 		OverlapPart& part = partOf(index);
 		part.volume += part.form.of(face);
 		part.columns += 0.5 * columnVolume(face);
+		if (face.cut > face.area) part.flush += face.area;
 		if (sign < 0) part.columnsOfA += columnVolume(face);
 		part.depth += !onFoundation ? face.depth : sign < 0 ? columnVolume(face) : 0;
 		part.depths.addColumn(face, sign > 0);
@@ -410,6 +426,7 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	};
 	work.cones.clear(X_BA);
 	forParts([&](OverlapPart& part, uint32_t number) {
+		part.joinColumns();
 		part.volume = onFoundation ? std::max(part.columnsOfA, 0.0) : std::max({part.volume, kLeastOfColumns * part.columns, 0.0});
 		part.hasCones = part.depths.needsCones(part.volume);
 		if (part.hasCones) part.depths.beginCones(part.form.centroid(), part.form.area(), number, work.cones);
@@ -442,7 +459,7 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 		const double share = part.depth > 0 ? work.places[p].depth / part.depth : 1;
 		patch.volume = patch.surfaceVolume = share * part.volume;
 		patch.foundationVolume = onFoundation ? patch.volume : 0;
-		patch.volumeVariance = share * part.form.variance();
+		patch.volumeVariance = share * part.variance;
 		patch.depthA = share * part.depths.ofA();
 		patch.depthB = share * part.depths.ofB();
 		work.places[p].addTo(patch);
