@@ -145,6 +145,8 @@ public:
 	{
 		return ist::Error{"this demo has no tool that a hand could feel; bunny and crown have one"};
 	}
+	/// Ends that: the tool is in the world again, and the device is at zero.
+	virtual void stopFeeling() {}
 	/// What the hand feels, in words; empty while no device feels.
 	virtual std::string felt() const { return {}; }
 	/// Moves the target of the held body's grip by `shift` [m] and rotates it by `turn` [rad, World].

@@ -34,6 +34,7 @@ public:
 	void drag(const ist::Vec3& shift, const ist::Vec3& turn) override { m_hand.move(shift, turn); }
 	void release() override { m_hand.release(); }
 	void keepAwake(bool on) override;
+	void stopFeeling() override { m_forces.reset(); }
 	std::string felt() const override;
 
 protected:

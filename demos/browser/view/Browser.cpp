@@ -76,6 +76,28 @@ bool Browser::start(const DemoEntry& entry)
 	return true;
 }
 
+void Browser::use(std::unique_ptr<DeviceHand> device)
+{
+	// The thread of a hand that feels uses the device until then.
+	if (m_demo) m_demo->stopFeeling();
+	m_feels = false;
+	m_device = std::move(device);
+}
+
+void Browser::chooseDevice(const std::string& address, bool forces)
+{
+	m_message.clear();
+	if (address.empty()) return use(nullptr);
+	auto opened = DeviceHand::open(address);
+	if (!opened)
+	{
+		m_message = opened.error().message;
+		return;
+	}
+	use(std::move(opened).value());
+	if (forces) feelForces();
+}
+
 void Browser::feelForces()
 {
 	m_feels = true;

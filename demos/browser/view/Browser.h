@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "demos/browser/base/DeviceHand.h"
 #include "demos/browser/catalog/BesideStock.h"
 #include "demos/browser/view/AffordableQuality.h"
@@ -59,7 +60,10 @@ public:
 	void openMesh(const std::string& path);
 	void key(Key key);
 	/// From now on the device moves the demo's hand.
-	void use(std::unique_ptr<DeviceHand> device) { m_device = std::move(device); }
+	void use(std::unique_ptr<DeviceHand> device);
+	/// Opens a device and uses it, or lets the present one go if the address is empty. `forces`: feelForces(). If it cannot be opened, the
+	/// present one stays, and the message says why.
+	void chooseDevice(const std::string& address, bool forces);
 	/// From now on a hand at the device that is used feels the tools of demos, by a thread of its own.
 	void feelForces();
 	/// Mouse events on the scene. x and y are shares of the scene's width and height, from its upper left corner. `turns`: the modifier
@@ -97,6 +101,7 @@ private:
 	void drawProfile();
 	void drawPairs();
 	void drawChoices();
+	void drawDevices();
 	void stepOnce(double h);
 	double deviceScale() const;
 	RenderQuality quality() const;
@@ -123,6 +128,9 @@ private:
 	double m_stepping = 0;   // time for stepping between the last two pictures [s]
 	std::string m_message;
 	char m_search[64] = {};
+	char m_address[128] = "sim:sigma7";
+	bool m_wantsForces = true;
+	std::vector<devicebridge::DriverReport> m_drivers;  // as they were when the user looked for devices
 	double m_owed = 0, m_speed = 1, m_sceneLeft = 0, m_sceneWidth = 0, m_sceneHeight = 0;
 	double m_mouseX = 0, m_mouseY = 0, m_grip = 0;
 	ContactCacheChoice m_contactCache;
