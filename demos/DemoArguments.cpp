@@ -35,7 +35,7 @@ const char* const kDemoUsage =
 	"  --force-error E  query the coarsest level whose force error stays within this share, 0 (default: always the leaves) to 1\n"
 	"  --beside-stock   two halves: the same with Bullet's own contact on the left\n"
 	"  --show LIST      in pictures and the window, besides what the demo shows: "
-	"spheres,sphere-levels,leaves,levels,lenses,boxes,frames,wireframe; no-meshes, no-forces ... hide\n"
+	"spheres,sphere-levels,leaves,levels,lenses,pairs,boxes,frames,wireframe; no-meshes, no-forces ... hide\n"
 	"  --screenshot FILE   a PNG of the end, without a window or a display\n"
 	"  --record FOLDER  30 numbered PNG for each second of the demo's time, from its beginning; an empty or a new folder\n"
 	"  --save-scene FILE   the bodies at the end as a scene file (--scene FILE), with their trees beside it\n"

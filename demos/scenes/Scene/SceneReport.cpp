@@ -74,8 +74,10 @@ void addRows(const SceneOutcome& o, const SceneHandRun& hand, const std::string&
 	{
 		rows.push_back({of + "Rate, mean", number(1 / std::max(1e-9, mean(periods)), 4), "Hz"});
 		rows.push_back({of + "Period, 99.9th percentile", number(1e3 * quantile(periods, 0.999)), "ms"});
-		rows.push_back({of + "Processor time of a tick, mean", number(mean(valuesOf(hand, processor))), "us"});
-		rows.push_back({of + "Processor time of a tick, 99.9th percentile", number(quantile(valuesOf(hand, processor), 0.999)), "us"});
+		const bool shared = o.hands.size() > 1 && o.scene.topology == SceneTopology::OneThread;
+		const std::string tick = of + "Processor time of a tick" + (shared ? " of all hands" : "");
+		rows.push_back({tick + ", mean", number(mean(valuesOf(hand, processor))), "us"});
+		rows.push_back({tick + ", 99.9th percentile", number(quantile(valuesOf(hand, processor), 0.999)), "us"});
 		rows.push_back({of + "Overruns", number(hand.overruns), ""});
 	}
 	for (const SceneContactCount& c : o.counts)
