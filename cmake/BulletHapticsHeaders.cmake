@@ -80,11 +80,13 @@ set(BULLETHAPTICS_HEADERS
 	DeviceBridge/Bullet/BulletContactSource.h
 	DeviceBridge/Bullet/BulletDecoupledSource.h
 	DeviceBridge/Bullet/BulletHand.h
+	DeviceBridge/Bullet/BulletHandSource.h
 	DeviceBridge/Bullet/BulletHeatMap.h
 	DeviceBridge/Bullet/BulletLocalWorld.h
 	DeviceBridge/Bullet/BulletToolContacts.h
 	DeviceBridge/Bullet/BulletWorldCoupling.h
 	DeviceBridge/Coupling/AdaptiveCoupling.h
+	DeviceBridge/Coupling/CouplingSwitch.h
 	DeviceBridge/Coupling/DeviceGains.h
 	DeviceBridge/Coupling/VirtualCoupling.h
 	DeviceBridge/Decorators/DeviceDecorator.h

@@ -142,6 +142,13 @@ int runBrowserDemo(const DemoArguments& a)
 	if (pictures.error) return refuse(*pictures.error);
 	pictures.sayWhatWasRecorded(a);
 #endif
+	if (!a.saveScene.empty())
+	{
+		const auto leftOut = demo->saveScene(a.saveScene);
+		if (!leftOut) return refuse(leftOut.error());
+		say("scene: " + a.saveScene);
+		for (const std::string& what : leftOut.value()) say("the scene file does not hold " + what);
+	}
 	const int presented = present(a, outcome.value());
 	return outcome.value().ok() ? presented : 1;
 }
@@ -160,6 +167,7 @@ int openBrowser(const DemoArguments& a)
 	options.height = a.sizeGiven ? a.height : 800;
 	options.screenshot = a.windowScreenshot;
 	options.device = a.device;
+	options.forces = a.forces;
 	const auto error = browser::openWindow(options);
 	return error ? refuse(*error) : 0;
 }

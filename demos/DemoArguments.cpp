@@ -35,18 +35,20 @@ const char* const kDemoUsage =
 	"  --force-error E  query the coarsest level whose force error stays within this share, 0 (default: always the leaves) to 1\n"
 	"  --beside-stock   two halves: the same with Bullet's own contact on the left\n"
 	"  --show LIST      in pictures and the window, besides what the demo shows: "
-	"spheres,sphere-levels,leaves,levels,lenses,boxes,frames,wireframe; no-meshes, no-forces ... hide\n"
+	"spheres,sphere-levels,leaves,levels,lenses,pairs,boxes,frames,wireframe; no-meshes, no-forces ... hide\n"
 	"  --screenshot FILE   a PNG of the end, without a window or a display\n"
 	"  --record FOLDER  30 numbered PNG for each second of the demo's time, from its beginning; an empty or a new folder\n"
+	"  --save-scene FILE   the bodies at the end as a scene file (--scene FILE), with their trees beside it\n"
 	"  --window-screenshot FILE  of the window's last picture, with --frames\n"
 	"  --size WxH       of pictures (default 960x540) or of the window (1280x800)\n"
 	"  --device ADDRESS a device that moves what the browser's hand holds (`devicebridge list` shows addresses)\n"
+	"  --forces         the hand at that device feels the tool, in a thread of 1 kHz of its own\n"
 	"  --gallery DIR    a picture of every demo and a page that shows them\n";
 
 namespace
 {
 const std::vector<std::string> kOfTheBrowser = {"--frames", "--dt", "--screenshot", "--record", "--size", "--gallery",
-	"--window-screenshot", "--device", "--economy", "--force-error", "--beside-stock", "--show"};
+	"--window-screenshot", "--device", "--economy", "--force-error", "--beside-stock", "--show", "--save-scene", "--forces"};
 
 /// The whole of `text` as a positive finite number, else 0.
 double positiveNumber(const std::string& text)
@@ -79,10 +81,11 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 			!wrong.empty())
 			return wrong;
 	if (!others && a.demo.empty() && !given.count("--gallery"))
-		for (const char* name : {"--headless", "--json", "--report", "--screenshot", "--record"})
+		for (const char* name : {"--headless", "--json", "--report", "--screenshot", "--record", "--save-scene"})
 			if (given.count(name))
 				return std::string(name) +
 					" needs --demo NAME or --scene FILE: without either the browser opens in a window (--list names the demos)";
+	if (given.count("--forces") && !given.count("--device")) return "--forces goes with --device ADDRESS, where they are felt";
 	if (given.count("--window-screenshot") && !given.count("--frames")) return "--window-screenshot goes with --frames";
 	if (given.count("--paper-figures"))
 		return clash("--paper-figures",
@@ -154,12 +157,13 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 	std::set<std::string> given;
 	const std::map<std::string, bool*> flags = {{"--list", &a.list}, {"--version", &a.version}, {"--help", &a.help}, {"-h", &a.help},
 		{"--json", &a.json}, {"--headless", &a.headless}, {"--virtual-time", &a.virtualTime}, {"--decoupled", &a.decoupled},
-		{"--beside-stock", &a.besideStock}};
+		{"--beside-stock", &a.besideStock}, {"--forces", &a.forces}};
 	const std::map<std::string, std::string*> values = {{"--demo", &a.demo}, {"--scene", &a.scene}, {"--paper-figures", &a.paperFigures},
 		{"--mesh", &a.mesh}, {"--report", &a.report}, {"--cache", &a.cache}, {"--scenes", &a.scenes}, {"--unit", &unit},
 		{"--spheres", &spheres}, {"--world-rate", &worldRate}, {"--frames", &frames}, {"--dt", &dt}, {"--size", &size},
 		{"--economy", &contactCache}, {"--force-error", &forceError}, {"--screenshot", &a.screenshot}, {"--record", &a.record},
-		{"--gallery", &a.gallery}, {"--window-screenshot", &a.windowScreenshot}, {"--device", &a.device}, {"--show", &a.show}};
+		{"--gallery", &a.gallery}, {"--window-screenshot", &a.windowScreenshot}, {"--device", &a.device}, {"--show", &a.show},
+		{"--save-scene", &a.saveScene}};
 	for (int i = 1; i < argc && a.error.empty(); ++i)
 	{
 		const std::string name = argv[i];

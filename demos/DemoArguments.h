@@ -16,8 +16,8 @@ struct DemoArguments
 	long long spheres = 10000;
 	bool meshGiven = false, spheresGiven = false;
 	// Of the browser's demos.
-	bool headless = false, sizeGiven = false, besideStock = false;
-	std::string screenshot, record, gallery, windowScreenshot, device, show;
+	bool headless = false, sizeGiven = false, besideStock = false, forces = false;
+	std::string screenshot, record, gallery, windowScreenshot, device, show, saveScene;
 	long long frames = -1;
 	double dt = 0;  ///< [s]; 0: the demo's own
 	bool contactCache = true;
@@ -25,7 +25,10 @@ struct DemoArguments
 	double forceError = 0;   ///< that coarser levels may add to them
 	int width = 960, height = 540;
 	/// Something is asked for that a window does not give.
-	bool withoutWindow() const { return headless || json || !screenshot.empty() || !record.empty() || !report.empty(); }
+	bool withoutWindow() const
+	{
+		return headless || json || !screenshot.empty() || !record.empty() || !report.empty() || !saveScene.empty();
+	}
 
 	std::string error;  ///< what is wrong; empty: nothing
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "BulletISTCollision/Json/JsonValue.h"
 #include "DeviceBridge/Device/Device.h"
@@ -39,7 +40,15 @@ struct ZWidthArguments
 	bool json = false, quantised = false;
 };
 
+struct StateArguments
+{
+	std::vector<std::string> uris;
+	double seconds = 0;  ///< 0: half a second, or an hour of `watch`
+	bool watch = false, json = false;
+};
+
 int runList(bool json);
+int runState(const StateArguments& arguments);
 int runInfo(const RunArguments& arguments);
 int runMonitor(const RunArguments& arguments);
 int runRecord(const RunArguments& arguments);

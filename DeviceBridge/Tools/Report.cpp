@@ -19,7 +19,7 @@ constexpr FieldUnit kUnits[] = {{"peak_force", "N"}, {"continuous_force", "N"}, 
 	{"max_stiffness", "N/m"}, {"max_angular_stiffness", "N m/rad"}, {"max_damping", "N s/m"}, {"max_angular_damping", "N m s/rad"},
 	{"damping", "N s/m"}, {"angular_damping", "N m s/rad"}, {"device_damping", "N s/m"}, {"resolution", "m"}, {"angular_resolution", "rad"},
 	{"workspace_radius", "m"}, {"nominal_rate", "Hz"}, {"mass", "kg"}, {"delay", "s"}, {"stable", "N/m"}, {"predicted", "N/m"},
-	{"passive", "N/m"}, {"passive_measured", "N/m"}, {"energy", "J"}, {"bytes", "B"}};
+	{"passive", "N/m"}, {"passive_measured", "N/m"}, {"energy", "J"}, {"x", "m"}, {"y", "m"}, {"z", "m"}, {"bytes", "B"}};
 
 std::string unitOf(std::string_view field)
 {

@@ -27,6 +27,7 @@ public:
 		m_app.set_version_flag("--version", kVersion);
 		add("list", "Drivers and the devices that they offer", [this] { return runList(m_run.json); });
 		addRun("info", "What a device is and can bear", runInfo, false);
+		addState();
 		addRun("monitor", "Print the samples of a device as CSV; sends no force", runMonitor, true)
 			->add_option("--rate", m_run.rate, "lines in a second [Hz]")
 			->check(CLI::Range(0.1, 1000.0))
@@ -95,6 +96,17 @@ private:
 		return sub;
 	}
 
+	void addState()
+	{
+		CLI::App* sub = add("state", "What devices do now: ready, lost, buttons, rate; sends no force", [this] {
+			m_state.json = m_run.json;
+			return runState(m_state);
+		});
+		sub->add_option("uri", m_state.uris, "addresses of devices, for instance sim:touchx")->required();
+		sub->add_flag("--watch", m_state.watch, "print each change, such as an unplugged device, instead of a table");
+		sub->add_option("--seconds", m_state.seconds, "how long (0.5; with --watch an hour)")->check(CLI::Range(0.1, 86400.0));
+	}
+
 	void addZWidth()
 	{
 		CLI::App* sub = add("zwidth", "Largest stable stiffness of a virtual wall over its damping", [this] {
@@ -112,6 +124,7 @@ private:
 	CLI::App m_app{"Haptic devices: list, inspect, record, replay, measure", "devicebridge"};
 	std::function<int()> m_command;
 	RunArguments m_run;
+	StateArguments m_state;
 	ZWidthArguments m_zwidth;
 };
 }  // namespace

@@ -60,7 +60,8 @@ struct SceneBody
 struct SceneKeyFrame
 {
 	double time = 0;
-	ist::Pose X_BM;  ///< pose of the tool's mesh frame at this time, as the hand moves it
+	ist::Pose X_BM;        ///< pose of the tool's mesh frame at this time, as the hand moves it
+	uint32_t buttons = 0;  ///< bits of the buttons that are held from this time to the next frame's
 };
 
 /// An action at one of the thread's events, which needs no code.
@@ -71,7 +72,8 @@ struct SceneHook
 		Transform,
 		Collision,
 		HapticTick,
-		Fault
+		Fault,
+		Button  ///< a button of the device is pressed or released
 	};
 	enum class Action
 	{
@@ -81,13 +83,36 @@ struct SceneHook
 		Damping,  ///< adds the force -b v
 		Scale,    ///< multiplies the wrench
 		Log,      ///< prints each fault after the run
-		Stop      ///< ends the run
+		Stop,     ///< ends the run
+		Switch    ///< switches `what` on, off, or over
+	};
+	enum class What
+	{
+		Friction,  ///< friction of the tool
+		Coupling,  ///< the virtual coupling between hand and tool
+		Forces,    ///< forces at the device
+		Pair       ///< a pair of the scene
+	};
+	enum class To
+	{
+		Toggle,
+		On,
+		Off
 	};
 	Event event = Event::Collision;
 	Action action = Action::Count;
-	std::string file, place;  ///< file of a recording
+	std::optional<size_t> hand;  ///< the hand at whose events it acts; missing: at those of every hand
+	std::string file, place;     ///< file of a recording
 	ist::Vec3 force;
 	double damping = 0, angularDamping = 0, factor = 1;
+	int button = 1;              ///< number of the button, from 1
+	std::optional<size_t> body;  ///< collisions with this body only; missing: with all
+	bool atEnd = false;          ///< whether the event is the release of a button, or the end of a contact, instead of the beginning
+	What what = What::Friction;
+	To to = To::Toggle;
+	bool startsOff = false;          ///< whether `what` is off when the run begins
+	std::optional<size_t> pair;      ///< index of the switched pair among Scene::pairs
+	std::optional<size_t> partPair;  ///< or among Scene::partPairs
 };
 
 enum class SceneTopology
@@ -107,6 +132,26 @@ struct SceneCoupling
 	double softContact = 1;
 };
 
+/// A tool of sixteen bodies in the shape of the tracked hand (devicebridge::BulletHand).
+struct SceneHandParts
+{
+	int64_t spheres = 300;  ///< number of spheres per part
+	double friction = 1;    ///< friction coefficient of the skin
+};
+
+struct SceneHand
+{
+	std::string name = "hand", place;
+	std::string device;  ///< device address
+	std::string devicePlace;
+	size_t tool = 0;                      ///< index of the tool among the bodies; not with `parts`
+	std::optional<SceneHandParts> parts;  ///< present: the hand has no tool, but parts
+	std::optional<ist::Pose> X_BW;        ///< pose of the device's world; missing: its origin is at the first key frame
+	std::vector<SceneKeyFrame> path;
+	bool toolGravity = false;
+	SceneCoupling coupling;
+};
+
 struct Scene
 {
 	std::string file, name, about;
@@ -115,21 +160,23 @@ struct Scene
 	SceneTopology topology = SceneTopology::OneThread;
 	double worldRate = 60;
 	int64_t maxPairs = -1;
-	bool hasHand = false;  ///< true: the members up to `coupling`, and `tool`, are valid; demos need a hand, tests do not
-	std::string handPlace;
-	std::string device;  ///< device address
-	std::string devicePlace;
-	std::optional<ist::Pose> X_BW;  ///< pose of the device's world; missing: its origin is at the first key frame
-	std::vector<SceneKeyFrame> path;
-	bool toolGravity = false;
-	SceneCoupling coupling;
+	std::string handPlace;         ///< where a hand is missing, if there is none; demos need a hand, tests do not
+	std::vector<SceneHand> hands;  ///< hands with different names and tools
 	std::vector<SceneAsset> assets;
 	std::vector<SceneBody> bodies;
-	size_t tool = 0;  ///< index of the tool among the bodies
 	bool onlyPairs = false;
-	std::vector<std::pair<size_t, size_t>> pairs;
+	std::vector<std::pair<size_t, size_t>> pairs;      ///< pairs of bodies
+	std::vector<std::pair<size_t, size_t>> partPairs;  ///< a hand with parts, and a body
 	std::optional<ist::Box> region;
 	std::vector<SceneHook> hooks;
+
+	/// Whether a hand holds this body.
+	bool isTool(size_t body) const
+	{
+		for (const SceneHand& hand : hands)
+			if (!hand.parts && hand.tool == body) return true;
+		return false;
+	}
 };
 
 /// Parses a scene. Each error is refused with file name, line and field. File names in the text are relative to `folder`.

@@ -14,6 +14,11 @@
 #include <string>
 #include <vector>
 
+namespace devicebridge
+{
+class Device;
+}
+
 namespace browser
 {
 /// A result of a demo. `expected` comes from a closed form, a law of physics or an integration that shares no code with the library. If
@@ -108,6 +113,11 @@ public:
 	virtual std::vector<std::string> report() const { return {}; }
 	/// The report as one JSON value; empty where there is none.
 	virtual std::string reportJson() const { return {}; }
+	/// Saves the bodies of the first world as a scene file (SceneSaver.h). Returns sentences on what such a file cannot hold.
+	virtual ist::Result<std::vector<std::string>> saveScene(const std::string& /*path*/)
+	{
+		return ist::Error{"this demo has no world of bodies that a scene file could hold"};
+	}
 	/// One half of the picture.
 	struct Half
 	{
@@ -129,6 +139,16 @@ public:
 	virtual std::optional<double> grab(const ist::Vec3& /*from*/, const ist::Vec3& /*direction*/) { return std::nullopt; }
 	/// Grabs the body that a device should move, unless one is held already. Returns false when there is none.
 	virtual bool grabTool() { return false; }
+	/// From now on, until `restart`, a hand at the device feels the demo's tool by a thread of its own (ForceHand). The device must outlive
+	/// this. Refused, with the reason: a demo without a tool, and what ForceHand::make refuses.
+	virtual std::optional<ist::Error> feelWith(devicebridge::Device& /*device*/, double /*scale*/)
+	{
+		return ist::Error{"this demo has no tool that a hand could feel; bunny and crown have one"};
+	}
+	/// Ends that: the tool is in the world again, and the device is at zero.
+	virtual void stopFeeling() {}
+	/// What the hand feels, in words; empty while no device feels.
+	virtual std::string felt() const { return {}; }
 	/// Moves the target of the held body's grip by `shift` [m] and rotates it by `turn` [rad, World].
 	virtual void drag(const ist::Vec3& /*shift*/, const ist::Vec3& /*turn*/) {}
 	virtual void release() {}

@@ -206,6 +206,11 @@ void ContactView::addKeys(const DrawChoice& choice, DrawList& list) const
 	for (const auto& [level, count] : m_ballsOfLevel)
 		list.addKey(colourOfLevel(level),
 			"level " + std::to_string(level) + (level == 0 ? ", the leaves: " : ": ") + std::to_string(count) + " balls answer");
+	if (choice.pairs)
+	{
+		list.addKey({0, 0.8f, 0}, "pair that touches");
+		list.addKey({0.8f, 0, 0}, "pair a tenth of the thinner body deep, or more");
+	}
 	if (choice.lenses && !list.discs.empty())
 	{
 		list.addKey(pressureColour(0.1), "least pressure");
@@ -247,7 +252,7 @@ void ContactView::drawStock(const DemoWorld& world, const DrawChoice& choice, Dr
 	}
 }
 
-void ContactView::drawPatches(const DemoWorld& world, const btISTContact& contact, const DrawChoice& choice, DrawList& list)
+void ContactView::drawForces(const DemoWorld& world, const btISTContact& contact, DrawList& list)
 {
 	for (int i = 0; i < contact.patchCount; ++i)
 	{
@@ -256,23 +261,6 @@ void ContactView::drawPatches(const DemoWorld& world, const btISTContact& contac
 		const Vec3 center = contact.X_WA * (contact.treeA->origin + patch.firstMoment / patch.volume);
 		const Vec3 force = shownForce(*contact.bodyA, *contact.bodyB, contact.impulses[i].force / world.lastStep());
 		const double area = norm(patch.areaVector);
-		const Vec3 normal = area > 0 ? contact.X_WA.rotation * (patch.areaVector / area) : normalized(force);
-		if (choice.patches && area > 0)
-		{
-			const double radius = std::sqrt(area / kPi);
-			Vec3 u, v;
-			completeFrame(normal, u, v);
-			constexpr int kSides = 40;
-			for (int k = 0; k < kSides; ++k)
-			{
-				const double from = 2 * kPi * k / kSides, to = 2 * kPi * (k + 1) / kSides;
-				list.lines.push_back({center + radius * (std::cos(from) * u + std::sin(from) * v),
-					center + radius * (std::cos(to) * u + std::sin(to) * v), {0.05f, 0.05f, 0.08f}});
-			}
-		}
-		if (choice.patches && area > 0)
-			list.lines.push_back({center, center + 0.6 * std::sqrt(area / kPi) * normal, {0.05f, 0.05f, 0.08f}});
-		if (!choice.wrenches) continue;
 		drawForce(center, force, list);
 		const double lever = std::sqrt(area / kPi);
 		drawMoment(
@@ -302,7 +290,7 @@ void ContactView::draw(DemoWorld& world, const DrawChoice& choice, double arrowF
 		m_answering.insert({trees.a, trees.b});
 		if (choice.levels) drawLevels(*contact, trees, list);
 		if (choice.lenses) drawLenses(*contact, list);
-		drawPatches(world, *contact, choice, list);
+		if (choice.wrenches) drawForces(world, *contact, list);
 	}
 	addKeys(choice, list);
 }

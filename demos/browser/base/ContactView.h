@@ -27,7 +27,7 @@ private:
 	void drawLevels(const btISTContact& contact, const ist::LevelPair& trees, DrawList& list);
 	void addKeys(const DrawChoice& choice, DrawList& list) const;
 	void drawStock(const DemoWorld& world, const DrawChoice& choice, DrawList& list);
-	void drawPatches(const DemoWorld& world, const btISTContact& contact, const DrawChoice& choice, DrawList& list);
+	void drawForces(const DemoWorld& world, const btISTContact& contact, DrawList& list);
 	void drawForce(const ist::Vec3& at, const ist::Vec3& force, DrawList& list) const;
 	/// Draws a moment. `lever` [m] is the distance at which a force has such a moment; a moment that is small beside the forces is not
 	/// drawn.

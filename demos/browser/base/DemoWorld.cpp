@@ -35,7 +35,7 @@ public:
 	void drawLine(const btVector3& from, const btVector3& to, const btVector3& colour) override
 	{
 		// Bullet draws planes as lines of 1e6 m, which are left out.
-		if (from.length2() > btScalar(1e8) || to.length2() > btScalar(1e8)) return;
+		if (from.length2() > btScalar(1e8) || to.length2() > btScalar(1e8) || from == to) return;
 		m_list.lines.push_back({toVec3(from), toVec3(to), {0.8f * float(colour.x()), 0.8f * float(colour.y()), 0.8f * float(colour.z())}});
 	}
 	void drawContactPoint(const btVector3&, const btVector3&, btScalar, int, const btVector3&) override {}
@@ -258,8 +258,19 @@ void DemoWorld::keepAwake(bool on)
 
 void DemoWorld::debugLines(const DrawChoice& choice, DrawList& list)
 {
-	if (!choice.boxes && !choice.constraints) return;
 	LineCollector collector(list);
+	if (m_volumetric && (choice.patches || choice.pairs))
+	{
+		btISTDebugDraw what;
+		what.patches = what.stock = choice.patches;
+		what.pairs = choice.pairs;
+		// Arrows and texts of forces are those of ContactView: they include friction.
+		what.text = false;
+		what.metresPerNewton = 0;
+		collector.setDebugMode(btIDebugDraw::DBG_DrawContactPoints);
+		m_volumetric->debugDraw(collector, what);
+	}
+	if (!choice.boxes && !choice.constraints) return;
 	int mode = 0;
 	if (choice.boxes) mode |= btIDebugDraw::DBG_DrawAabb;
 	if (choice.constraints) mode |= btIDebugDraw::DBG_DrawConstraints | btIDebugDraw::DBG_DrawConstraintLimits;

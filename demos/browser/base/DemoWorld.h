@@ -88,6 +88,8 @@ public:
 	/// Our world; null in a stock world.
 	btISTWorld* volumetric() { return m_volumetric.get(); }
 	const std::vector<Body>& bodies() const { return m_bodies; }
+	const std::vector<std::unique_ptr<btRigidBody>>& planes() const { return m_planes; }
+	size_t constraintCount() const { return m_constraints.size(); }
 	const std::optional<ist::Error>& error() const { return m_error; }
 
 	/// Sums over the volumetric contacts. In a stock world only the force is set.

@@ -9,7 +9,7 @@
 namespace browser
 {
 /// A device of DeviceBridge that moves the body that the browser's hand holds, once a picture. Translations and rotations are copied. The
-/// device receives no force: for that a demo needs a stepping thread (haptic-bunny, scene files).
+/// device receives no force: for that a ForceHand has a thread of its own.
 class DeviceHand
 {
 public:
@@ -24,6 +24,7 @@ public:
 	const std::string& trouble() const { return m_trouble; }
 	/// Makes the next call start again, without a motion.
 	void forget() { m_known = false; }
+	devicebridge::Device& device() { return *m_device; }
 	double workspaceRadius() const { return m_device->info().workspaceRadius; }
 
 private:

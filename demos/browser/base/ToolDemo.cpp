@@ -31,7 +31,7 @@ void ToolDemo::holdTool(btRigidBody* tool, double frequency)
 
 void ToolDemo::beforeStep(double h)
 {
-	if (!m_tool) return;
+	if (!m_tool || isFelt()) return;
 	// The user's hand replaces this one.
 	if (m_taken && hand().body() == m_tool) return;
 	if (!m_taken) m_leading.setTarget(path(time()));
@@ -53,7 +53,7 @@ std::optional<double> ToolDemo::grab(const Vec3& from, const Vec3& direction)
 
 bool ToolDemo::grabTool()
 {
-	if (!m_tool) return false;
+	if (!m_tool || isFelt()) return false;
 	if (!hand().holds()) hand().grab(m_tool);
 	m_taken = m_taken || hand().body() == m_tool;
 	return true;
@@ -63,5 +63,11 @@ void ToolDemo::release()
 {
 	if (hand().holds() && hand().body() == m_tool) m_leading.setTarget(hand().target());
 	WorldDemo::release();
+}
+
+std::optional<Error> ToolDemo::feelWith(devicebridge::Device& device, double scale)
+{
+	if (!m_tool) return WorldDemo::feelWith(device, scale);
+	return feel(device, *m_tool, scale);
 }
 }  // namespace browser

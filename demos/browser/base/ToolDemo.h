@@ -12,12 +12,14 @@ public:
 	std::optional<double> grab(const ist::Vec3& from, const ist::Vec3& direction) override;
 	bool grabTool() override;
 	void release() override;
+	std::optional<ist::Error> feelWith(devicebridge::Device& device, double scale) override;
 
 protected:
 	/// Makes the hand hold the tool; call it once, in `build`. The tool's weight is switched off. `frequency` is the root of the hand's
 	/// stiffness over the tool's mass [rad/s].
 	void holdTool(btRigidBody* tool, double frequency);
 	btRigidBody* tool() const { return m_tool; }
+	const btRigidBody* sceneTool() const override { return m_tool; }
 	/// Pose that the hand wants for the tool's principal frame at a time [s], World.
 	virtual ist::Pose path(double time) const = 0;
 	void beforeStep(double h) override;

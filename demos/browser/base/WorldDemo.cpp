@@ -3,6 +3,7 @@
 
 #include "BulletHapticForce/World/btISTSceneReport.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
+#include "demos/browser/base/SceneSaver.h"
 
 #include <cmath>
 #include <cstdio>
@@ -54,6 +55,7 @@ DemoWorld& WorldDemo::addWorld(const Vec3& gravity, const Vec3& shift, const std
 std::optional<Error> WorldDemo::restart()
 {
 	m_hand.release();
+	m_forces.reset();
 	leave();
 	m_parts.clear();
 	m_time = m_nextSample = 0;
@@ -72,13 +74,27 @@ void WorldDemo::step(double seconds)
 {
 	beforeStep(seconds);
 	m_hand.pull(seconds);
+	if (m_forces) m_forces->beforeStep(seconds);
 	for (Part& part : m_parts) part.world->step(seconds / std::sqrt(part.zoom));
+	if (m_forces) m_forces->afterStep();
 	m_time += seconds;
 	afterStep(seconds);
 	if (m_time < m_nextSample) return;
 	m_nextSample += 1.0 / 60;
 	sample();
 }
+
+std::optional<Error> WorldDemo::feel(devicebridge::Device& device, btRigidBody& tool, double scale)
+{
+	m_hand.release();
+	m_forces.reset();
+	Result<std::unique_ptr<ForceHand>> made = ForceHand::make(device, *m_parts.front().world, tool, scale);
+	if (!made) return made.error();
+	m_forces = std::move(made).value();
+	return std::nullopt;
+}
+
+std::string WorldDemo::felt() const { return m_forces ? m_forces->state() + ", " + formatForce(norm(m_forces->force())) : std::string(); }
 
 void WorldDemo::sample()
 {
@@ -129,6 +145,16 @@ void WorldDemo::draw(const DrawChoice& choice, DrawList& list)
 	decorate(choice, list);
 	addSphereKeys(answering, list);
 	list.ground = list.ground && choice.ground;
+}
+
+Result<std::vector<std::string>> WorldDemo::saveScene(const std::string& path)
+{
+	if (m_parts.empty()) return Error{"the demo has not begun"};
+	Result<std::vector<std::string>> leftOut = browser::saveScene(*m_parts.front().world, sceneTool(), path);
+	if (!leftOut || m_parts.size() < 2) return leftOut;
+	std::vector<std::string> all = leftOut.value();
+	all.push_back("the other " + std::to_string(m_parts.size() - 1) + " worlds of this demo");
+	return all;
 }
 
 std::vector<Curve> WorldDemo::curves() const { return {m_force, m_pairs, m_energy, m_cost}; }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "demos/browser/base/ContactView.h"
+#include "demos/browser/base/ForceHand.h"
 #include "demos/browser/base/HandPull.h"
 
 #include <memory>
@@ -23,6 +24,7 @@ public:
 	std::vector<Curve> curves() const override;
 	std::vector<std::string> report() const override;
 	std::string reportJson() const override;
+	ist::Result<std::vector<std::string>> saveScene(const std::string& path) override;
 	void setContactCache(const ContactCacheChoice& contactCache) override;
 	void useStockContact(bool on) override { m_stock = on; }
 	/// All worlds that step, for measurements.
@@ -32,8 +34,13 @@ public:
 	void drag(const ist::Vec3& shift, const ist::Vec3& turn) override { m_hand.move(shift, turn); }
 	void release() override { m_hand.release(); }
 	void keepAwake(bool on) override;
+	void stopFeeling() override { m_forces.reset(); }
+	std::string felt() const override;
 
 protected:
+	/// A hand at the device feels `tool`, a body of the first world.
+	std::optional<ist::Error> feel(devicebridge::Device& device, btRigidBody& tool, double scale);
+	bool isFelt() const { return m_forces != nullptr; }
 	/// Adds a world. The picture shows it at `shift`, under its title, and magnified by `zoom`. A magnified world steps slower by the
 	/// root of the zoom, as falling does, so that all sizes move alike.
 	DemoWorld& addWorld(
@@ -54,6 +61,8 @@ protected:
 	virtual double arrowForce() const = 0;
 	virtual double arrowLength() const = 0;
 	HandPull& hand() { return m_hand; }
+	/// Body that the hand of a saved scene holds; null: none.
+	virtual const btRigidBody* sceneTool() const { return m_hand.body(); }
 
 private:
 	struct Part
@@ -68,6 +77,7 @@ private:
 	btISTSceneReport sceneReport(const Part& part) const;
 
 	std::vector<Part> m_parts;
+	std::unique_ptr<ForceHand> m_forces;  // of the first world; null: no device feels
 	HandPull m_hand;
 	ContactView m_view;
 	DrawList m_one;

@@ -11,10 +11,11 @@ const std::vector<DrawChoiceRow>& drawChoiceRows()
 		{"spheres", "inner spheres by size (b)", &DrawChoice::spheres},
 		{"sphere-levels", "inner spheres by level (e)", &DrawChoice::sphereLevels}, {"leaves", "leaves (n)", &DrawChoice::leaves},
 		{"levels", "levels that answer (t)", &DrawChoice::levels}, {"lenses", "lenses by pressure (m)", &DrawChoice::lenses},
-		{"patches", "patches", &DrawChoice::patches}, {"forces", "forces (c)", &DrawChoice::wrenches},
-		{"boxes", "boxes (a)", &DrawChoice::boxes}, {"frames", "frames (j)", &DrawChoice::frames},
-		{"constraints", "constraints (k)", &DrawChoice::constraints}, {"wireframe", "wireframe (w)", &DrawChoice::wireframe},
-		{"shadows", "shadows (s)", &DrawChoice::shadows}, {"ground", "ground", &DrawChoice::ground}};
+		{"patches", "patches, Bullet's contact in grey", &DrawChoice::patches}, {"pairs", "pairs by depth (u)", &DrawChoice::pairs},
+		{"forces", "forces (c)", &DrawChoice::wrenches}, {"boxes", "boxes (a)", &DrawChoice::boxes},
+		{"frames", "frames (j)", &DrawChoice::frames}, {"constraints", "constraints (k)", &DrawChoice::constraints},
+		{"wireframe", "wireframe (w)", &DrawChoice::wireframe}, {"shadows", "shadows (s)", &DrawChoice::shadows},
+		{"ground", "ground", &DrawChoice::ground}};
 	return rows;
 }
 

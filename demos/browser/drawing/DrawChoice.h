@@ -10,10 +10,11 @@ namespace browser
 struct DrawChoice
 {
 	bool surfaces = true, spheres = false, sphereLevels = false, leaves = false, levels = false, lenses = false, patches = true,
-		 wrenches = true, boxes = false, frames = false, constraints = false, wireframe = false, shadows = true, ground = true;
+		 pairs = false, wrenches = true, boxes = false, frames = false, constraints = false, wireframe = false, shadows = true,
+		 ground = true;
 
 	/// True when meshes must be transparent.
-	bool showsInside() const { return spheres || sphereLevels || leaves || levels || lenses; }
+	bool showsInside() const { return spheres || sphereLevels || leaves || levels || lenses || pairs; }
 };
 
 /// One drawing, with its texts for the user.

@@ -16,6 +16,7 @@ namespace browser
 namespace
 {
 constexpr size_t kTimes = 240;
+constexpr double kLongestStep = 1.0 / 30;   // of a world that a hand feels [s]
 constexpr double kMostSteppingShare = 0.7;  // share of the time between two pictures
 
 void keep(std::deque<float>& times, double value)
@@ -71,7 +72,44 @@ bool Browser::start(const DemoEntry& entry)
 	m_rates.clear();
 	m_rate = 0;
 	if (m_device) m_device->forget();
+	if (m_feels) feelForces();
 	return true;
+}
+
+void Browser::use(std::unique_ptr<DeviceHand> device)
+{
+	// The thread of a hand that feels uses the device until then.
+	if (m_demo) m_demo->stopFeeling();
+	m_feels = false;
+	m_device = std::move(device);
+}
+
+void Browser::chooseDevice(const std::string& address, bool forces)
+{
+	m_message.clear();
+	if (address.empty()) return use(nullptr);
+	auto opened = DeviceHand::open(address);
+	if (!opened)
+	{
+		m_message = opened.error().message;
+		return;
+	}
+	use(std::move(opened).value());
+	if (forces) feelForces();
+}
+
+void Browser::feelForces()
+{
+	m_feels = true;
+	if (!m_demo || !m_device) return;
+	if (const auto refused = m_demo->feelWith(m_device->device(), deviceScale())) m_message = "no forces: " + refused->message;
+}
+
+/// Metres of the scene per metre of the handle: the device's workspace is mapped to the visible area.
+double Browser::deviceScale() const
+{
+	const double radius = m_device->workspaceRadius() > 0 ? m_device->workspaceRadius() : 0.1;
+	return 0.3 * m_camera.viewpoint().distance / radius;
 }
 
 void Browser::toggleHalves()
@@ -138,23 +176,36 @@ void Browser::key(Key key)
 	case Key::Pause: m_paused = !m_paused; break;
 	case Key::Step:
 		m_paused = true;
-		stepOnce();
+		if (m_demo) stepOnce(m_demo->stepSize());
 		break;
 	case Key::Profile: m_profile = !m_profile; break;
 	case Key::Shadows: m_choice.shadows = !m_choice.shadows; break;
 	case Key::Restart:
 		if (m_demo)
 			if (auto error = m_demo->restart()) m_message = error->message;
+		if (m_feels) feelForces();
 		m_held = m_touched = false;
 		break;
 	case Key::Spheres: m_choice.spheres = !m_choice.spheres; break;
 	case Key::SphereLevels: m_choice.sphereLevels = !m_choice.sphereLevels; break;
 	case Key::Leaves: m_choice.leaves = !m_choice.leaves; break;
 	case Key::Lenses: m_choice.lenses = !m_choice.lenses; break;
+	case Key::Pairs: m_choice.pairs = !m_choice.pairs; break;
 	case Key::Levels: m_choice.levels = !m_choice.levels; break;
 	case Key::Halves: toggleHalves(); break;
 	case Key::Picture: m_wantsPicture = true; break;
+	case Key::SaveScene:
+		if (m_entry) saveScene(std::string(m_entry->name) + "-scene.json");
+		break;
 	}
+}
+
+void Browser::saveScene(const std::string& path)
+{
+	if (!m_demo) return;
+	const auto leftOut = m_demo->saveScene(path);
+	m_message = leftOut ? "scene file: " + path : leftOut.error().message;
+	for (size_t i = 0; leftOut && i < leftOut.value().size(); ++i) m_message += (i == 0 ? ", without " : ", and ") + leftOut.value()[i];
 }
 
 bool Browser::wantsPicture() { return std::exchange(m_wantsPicture, false); }
@@ -210,11 +261,11 @@ void Browser::releaseMouse()
 	m_held = false;
 }
 
-void Browser::stepOnce()
+void Browser::stepOnce(double h)
 {
 	if (!m_demo) return;
 	const double start = now();
-	m_demo->step(m_demo->stepSize());
+	m_demo->step(h);
 	keep(m_stepTimes, 1e6 * (now() - start));
 }
 
@@ -223,19 +274,21 @@ void Browser::advance(double seconds)
 	keep(m_frameTimes, 1e3 * seconds);
 	m_affordable.took(seconds - std::exchange(m_stepping, 0));
 	if (!m_demo || m_paused || !(seconds > 0)) return;
+	const bool felt = !m_demo->felt().empty();
 	if (m_device)
 	{
 		m_touched = true;
-		// The device's workspace is mapped to the visible area.
-		const double radius = m_device->workspaceRadius() > 0 ? m_device->workspaceRadius() : 0.1;
-		m_device->update(*m_demo, 0.3 * m_camera.viewpoint().distance / radius);
+		if (!felt) m_device->update(*m_demo, deviceScale());
 	}
-	const double h = m_demo->stepSize(), start = now(), most = kMostSteppingShare * std::max(seconds, 1.0 / 60);
+	// A hand that feels is beside the world, which takes one step for it in each picture.
+	const double h = felt ? std::clamp(seconds, m_demo->stepSize(), kLongestStep) : m_demo->stepSize();
+	const double start = now(), most = kMostSteppingShare * std::max(seconds, 1.0 / 60);
 	m_owed = std::min(m_owed + m_speed * std::min(seconds, 0.1), 0.1);
 	int steps = 0;
+	if (felt) m_owed = h;
 	while (m_owed >= h)
 	{
-		stepOnce();
+		stepOnce(h);
 		++steps;
 		m_owed -= h;
 		if (now() - start > most) m_owed = 0;  // the demo runs slower than the clock, so that no backlog builds up
@@ -264,7 +317,7 @@ void Browser::draw(unsigned target, int width, int height)
 
 std::string Browser::message() const
 {
-	const std::string trouble = m_device ? m_device->trouble() : "";
+	const std::string felt = m_demo ? m_demo->felt() : "", trouble = felt.empty() && m_device ? m_device->trouble() : felt;
 	return m_message + (m_message.empty() || trouble.empty() ? "" : "\n") + trouble;
 }
 }  // namespace browser

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "demos/browser/base/DeviceHand.h"
 #include "demos/browser/catalog/BesideStock.h"
 #include "demos/browser/view/AffordableQuality.h"
@@ -34,8 +35,10 @@ enum class Key
 	Leaves,        ///< n
 	Lenses,        ///< m
 	Levels,        ///< t: what answers
+	Pairs,         ///< u: by depth
 	Halves,        ///< h: beside stock Bullet
-	Picture        ///< F1
+	Picture,       ///< F1
+	SaveScene      ///< F2: as a scene file
 };
 
 /// Picture of the whole browser with its panels, for a demo that ran for so many seconds of its own time. It needs no window and no
@@ -51,11 +54,18 @@ public:
 
 	/// Replaces the present demo. On an error that demo stays, and the error is shown.
 	void open(const std::string& name);
+	/// Saves the bodies as a scene file; the message says where, or why not.
+	void saveScene(const std::string& path);
 	/// Sets the mesh of the demos that take any, and opens its packing, as when a file is dropped on the window.
 	void openMesh(const std::string& path);
 	void key(Key key);
 	/// From now on the device moves the demo's hand.
-	void use(std::unique_ptr<DeviceHand> device) { m_device = std::move(device); }
+	void use(std::unique_ptr<DeviceHand> device);
+	/// Opens a device and uses it, or lets the present one go if the address is empty. `forces`: feelForces(). If it cannot be opened, the
+	/// present one stays, and the message says why.
+	void chooseDevice(const std::string& address, bool forces);
+	/// From now on a hand at the device that is used feels the tools of demos, by a thread of its own.
+	void feelForces();
 	/// Mouse events on the scene. x and y are shares of the scene's width and height, from its upper left corner. `turns`: the modifier
 	/// key is held.
 	void press(double x, double y, bool onCamera);
@@ -91,7 +101,9 @@ private:
 	void drawProfile();
 	void drawPairs();
 	void drawChoices();
-	void stepOnce();
+	void drawDevices();
+	void stepOnce(double h);
+	double deviceScale() const;
 	RenderQuality quality() const;
 	bool start(const DemoEntry& entry);
 	void toggleHalves();
@@ -102,8 +114,9 @@ private:
 	Renderer& m_renderer;
 	Gui& m_gui;
 	DemoOptions m_options;
+	std::unique_ptr<DeviceHand> m_device;  // before the demo, whose thread may use it
 	std::unique_ptr<BrowsableDemo> m_demo;
-	std::unique_ptr<DeviceHand> m_device;
+	bool m_feels = false;
 	const DemoEntry* m_entry = nullptr;
 	Camera m_camera;
 	DrawChoice m_choice;
@@ -115,6 +128,9 @@ private:
 	double m_stepping = 0;   // time for stepping between the last two pictures [s]
 	std::string m_message;
 	char m_search[64] = {};
+	char m_address[128] = "sim:sigma7";
+	bool m_wantsForces = true;
+	std::vector<devicebridge::DriverReport> m_drivers;  // as they were when the user looked for devices
 	double m_owed = 0, m_speed = 1, m_sceneLeft = 0, m_sceneWidth = 0, m_sceneHeight = 0;
 	double m_mouseX = 0, m_mouseY = 0, m_grip = 0;
 	ContactCacheChoice m_contactCache;

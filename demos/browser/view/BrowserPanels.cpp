@@ -121,6 +121,7 @@ void Browser::drawTree(float width, float height)
 	drawFigures();
 	drawCurves();
 	drawChoices();
+	drawDevices();
 	drawProfile();
 	drawPairs();
 	ImGui::EndChild();
@@ -221,5 +222,34 @@ void Browser::drawPairs()
 		m_demo->setContactCache(m_contactCache);
 	}
 	for (const std::string& row : m_demo->report()) ImGui::TextWrapped("%s", row.c_str());
+}
+
+void Browser::drawDevices()
+{
+	if (!ImGui::CollapsingHeader("Device")) return;
+	ImGui::InputText("address", m_address, sizeof m_address);
+	ImGui::Checkbox("feels forces", &m_wantsForces);
+	if (ImGui::Button("use")) chooseDevice(m_address, m_wantsForces);
+	ImGui::SameLine();
+	if (ImGui::Button("let go")) chooseDevice("", false);
+	ImGui::SameLine();
+	if (ImGui::Button("look for devices")) m_drivers = devicebridge::DeviceRegistry().drivers();
+	if (m_device)
+	{
+		const devicebridge::DeviceInfo& info = m_device->device().info();
+		ImGui::TextWrapped(
+			"%s: %.3g N, %.3g N/m, workspace %.3g m", info.model.c_str(), info.peakForce, info.maxStiffness, info.workspaceRadius);
+		const std::string felt = m_demo ? m_demo->felt() : "", trouble = m_device->trouble();
+		ImGui::TextColored(trouble.empty() ? kGood : kBad, "%s",
+			!felt.empty()         ? felt.c_str()
+				: trouble.empty() ? "moves, without force"
+								  : trouble.c_str());
+	}
+	for (const devicebridge::DriverReport& driver : m_drivers)
+	{
+		ImGui::TextColored(driver.missing.empty() ? kGood : kQuiet, "%s:", driver.scheme.c_str());
+		ImGui::SameLine();
+		ImGui::TextWrapped("%s", driver.missing.empty() ? driver.what.c_str() : driver.missing.c_str());
+	}
 }
 }  // namespace browser

@@ -43,7 +43,8 @@ const std::map<int, Key>& keys()
 		{GLFW_KEY_V, Key::Surfaces}, {GLFW_KEY_G, Key::Panels}, {GLFW_KEY_I, Key::Pause}, {GLFW_KEY_SPACE, Key::Pause},
 		{GLFW_KEY_O, Key::Step}, {GLFW_KEY_P, Key::Profile}, {GLFW_KEY_S, Key::Shadows}, {GLFW_KEY_R, Key::Restart},
 		{GLFW_KEY_B, Key::Spheres}, {GLFW_KEY_E, Key::SphereLevels}, {GLFW_KEY_N, Key::Leaves}, {GLFW_KEY_M, Key::Lenses},
-		{GLFW_KEY_T, Key::Levels}, {GLFW_KEY_H, Key::Halves}, {GLFW_KEY_F1, Key::Picture}};
+		{GLFW_KEY_T, Key::Levels}, {GLFW_KEY_U, Key::Pairs}, {GLFW_KEY_H, Key::Halves}, {GLFW_KEY_F1, Key::Picture},
+		{GLFW_KEY_F2, Key::SaveScene}};
 	return table;
 }
 
@@ -219,6 +220,7 @@ std::optional<ist::Error> openWindow(const WindowOptions& options)
 		auto device = DeviceHand::open(options.device);
 		if (!device) return ImGui_ImplGlfw_Shutdown(), device.error();
 		browser.use(std::move(device).value());
+		if (options.forces) browser.feelForces();
 	}
 	loop(glfw.window, browser, gui, options);
 	ImGui_ImplGlfw_Shutdown();

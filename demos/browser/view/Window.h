@@ -20,6 +20,7 @@ struct WindowOptions
 	int width = 1280, height = 800;
 	std::string pictureFolder = ".";  ///< folder for the pictures that F1 takes
 	std::string device;               ///< address of a device that moves what the hand holds; empty: only the mouse
+	bool forces = false;              ///< whether the hand at the device feels the tool, by a thread of its own
 	std::vector<std::pair<int, int>>
 		sizes;  ///< size of the window before each of its first pictures, as if the user changed it; {0, 0}: minimised
 	std::function<void(bool minimised)> beforePicture;  ///< called before each picture, for tests; may be empty

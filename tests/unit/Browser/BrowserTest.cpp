@@ -406,7 +406,7 @@ TEST(Browser, EveryKeyChangesThePicture)
 	EXPECT_LT(worstSimilarity(panels, rig.draw()), 0.5);
 	// Without panels, whose numbers change by themselves.
 	for (const Key key : {Key::Boxes, Key::Contacts, Key::Frames, Key::Wireframe, Key::Surfaces, Key::Shadows, Key::Spheres,
-			 Key::SphereLevels, Key::Leaves, Key::Levels, Key::Lenses})
+			 Key::SphereLevels, Key::Leaves, Key::Levels, Key::Lenses, Key::Pairs})
 	{
 		const Picture before = rig.draw();
 		rig.browser->key(key);
@@ -414,4 +414,40 @@ TEST(Browser, EveryKeyChangesThePicture)
 		rig.browser->key(key);
 		EXPECT_GT(worstSimilarity(before, rig.draw()), 0.99) << int(key);
 	}
+}
+
+TEST(Browser, ADeviceIsChosenFeltAndLetGo)
+{
+	Rig rig;
+	START_OR_SKIP(rig);
+	rig.browser->open("bunny");
+	rig.browser->chooseDevice("sim:nothing", true);
+	EXPECT_NE(rig.browser->message().find("No simulated device is called"), std::string::npos) << rig.browser->message();
+	rig.browser->chooseDevice("sim:sigma7", true);
+	EXPECT_NE(rig.browser->message().find("felt at 1 kHz"), std::string::npos) << rig.browser->message();
+	for (int i = 0; i < 10; ++i) rig.browser->advance(1.0 / 60);
+	rig.draw();
+	rig.browser->key(Key::Restart);  // the hand feels the tool of the new world
+	EXPECT_NE(rig.browser->message().find(" N"), std::string::npos) << rig.browser->message();
+	rig.browser->open("hello");
+	EXPECT_NE(rig.browser->message().find("no tool that a hand could feel"), std::string::npos) << rig.browser->message();
+	rig.browser->open("bunny");
+	rig.browser->chooseDevice("", false);
+	EXPECT_EQ(rig.browser->message(), "");
+	rig.browser->advance(1.0 / 60);
+}
+
+TEST(Browser, SavesWhatItShowsAsASceneFile)
+{
+	Rig rig;
+	START_OR_SKIP(rig);
+	rig.browser->open("stack");
+	const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "browser-scene";
+	std::filesystem::create_directories(folder);
+	rig.browser->saveScene((folder / "stack.json").string());
+	EXPECT_EQ(rig.browser->message().find("scene file: "), 0u) << rig.browser->message();
+	EXPECT_TRUE(std::filesystem::exists(folder / "stack.json"));
+	std::filesystem::remove_all(folder);
+	rig.browser->saveScene("no/such/folder/stack.json");
+	EXPECT_EQ(rig.browser->message().find("scene file: "), std::string::npos) << rig.browser->message();
 }

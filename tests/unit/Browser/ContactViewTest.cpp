@@ -184,3 +184,22 @@ TEST_P(LevelsShown, WhereBodiesTouch)
 	for (const DrawnDisc& d : list.discs) ASSERT_TRUE(ist::isFinite(d.center) && std::fabs(norm(d.normal) - 1) < 1e-4 && d.radius > 0);
 }
 INSTANTIATE_TEST_SUITE_P(Demos, LevelsShown, testing::ValuesIn(demosWithWorlds()), testNameOf);
+
+// Patches, pairs and Bullet's own contact are drawn by btISTWorld::debugDraw.
+TEST(ContactView, ThePairsOfAStackHaveTheColourOfTheirDepth)
+{
+	const auto demo = ran(*findDemo("stack"), 1, 0);
+	DrawChoice choice;
+	choice.patches = choice.wrenches = false;
+	DrawList none, pairs, patches;
+	demo->draw(choice, none);
+	choice.pairs = true;
+	demo->draw(choice, pairs);
+	choice.pairs = false;
+	choice.patches = true;
+	demo->draw(choice, patches);
+	EXPECT_GT(pairs.lines.size(), none.lines.size());
+	EXPECT_GT(patches.lines.size(), none.lines.size());
+	EXPECT_EQ((patches.lines.size() - none.lines.size()) % 12, 0u);  // rings of twelve lines
+	for (size_t i = none.lines.size(); i < pairs.lines.size(); ++i) EXPECT_EQ(pairs.lines[i].colour.b, 0);
+}

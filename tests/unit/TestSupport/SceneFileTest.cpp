@@ -128,21 +128,24 @@ TEST(SceneFile, ReadsBodiesHandAndHooks)
 	EXPECT_EQ(s.bodies[3].halfExtents, (Vec3{0.1, 0.2, 0.3}));
 	EXPECT_EQ(s.bodies[4].radius, 0.01);
 
-	EXPECT_EQ(s.device, "sim:omega6");
-	EXPECT_EQ(s.tool, 5u);
-	EXPECT_TRUE(s.toolGravity);
-	ASSERT_TRUE(s.X_BW.has_value());
-	EXPECT_LT(distance(*s.X_BW * Vec3{1, 0, 0}, {std::sqrt(0.5), std::sqrt(0.5), 1}), 1e-12);
-	EXPECT_EQ(s.coupling.stiffness, 500);
-	EXPECT_EQ(s.coupling.angularStiffness, 0.1);
-	EXPECT_EQ(s.coupling.damping, 1);
-	EXPECT_EQ(s.coupling.angularDamping, 0.001);
-	EXPECT_EQ(s.coupling.maxForce, 5);
-	EXPECT_EQ(s.coupling.maxTorque, 0.05);
-	EXPECT_EQ(s.coupling.softContact, 4);
-	ASSERT_EQ(s.path.size(), 2u);
-	EXPECT_EQ(s.path[1].time, 1);
-	EXPECT_EQ(s.path[1].X_BM.translation, (Vec3{0, 0, 2}));
+	ASSERT_EQ(s.hands.size(), 1u);
+	const SceneHand& hand = s.hands[0];
+	EXPECT_EQ(hand.name, "hand");
+	EXPECT_EQ(hand.device, "sim:omega6");
+	EXPECT_EQ(hand.tool, 5u);
+	EXPECT_TRUE(hand.toolGravity);
+	ASSERT_TRUE(hand.X_BW.has_value());
+	EXPECT_LT(distance(*hand.X_BW * Vec3{1, 0, 0}, {std::sqrt(0.5), std::sqrt(0.5), 1}), 1e-12);
+	EXPECT_EQ(hand.coupling.stiffness, 500);
+	EXPECT_EQ(hand.coupling.angularStiffness, 0.1);
+	EXPECT_EQ(hand.coupling.damping, 1);
+	EXPECT_EQ(hand.coupling.angularDamping, 0.001);
+	EXPECT_EQ(hand.coupling.maxForce, 5);
+	EXPECT_EQ(hand.coupling.maxTorque, 0.05);
+	EXPECT_EQ(hand.coupling.softContact, 4);
+	ASSERT_EQ(hand.path.size(), 2u);
+	EXPECT_EQ(hand.path[1].time, 1);
+	EXPECT_EQ(hand.path[1].X_BM.translation, (Vec3{0, 0, 2}));
 
 	EXPECT_TRUE(s.onlyPairs);
 	ASSERT_EQ(s.pairs.size(), 2u);
@@ -177,7 +180,8 @@ TEST(SceneFile, EveryMistakeIsRefusedWithLineAndField)
 		{"\"local-model\"", "\"one-thread\"", "s.json:8: worldRate: goes with the other topologies"},
 		{"\"worldRate\": 90", "\"worldRate\": 0", "s.json:8: worldRate: wants a number from 1"},
 		{"\"maxPairs\": 5000", "\"maxPairs\": 2.5", "s.json:9: maxPairs: wants a whole number"},
-		{"\"maxPairs\": 5000", "\"maxPair\": 5000", "s.json:9: maxPair: no such field is known here; known ones are about, assets"},
+		{"\"maxPairs\": 5000", "\"maxPair\": 5000",
+			"s.json:9: maxPair: no such field is known here; known ones are $schema, about, assets"},
 		{"\"unit\": 0.01", "\"unit\": 0", "s.json:11: assets[0].unit: wants a number from"},
 		{"\"unit\": 0.01", "\"unit\": 0.01, \"longestSide\": 1", "s.json:11: assets[0].longestSide: goes without unit"},
 		{"\"mesh\": \"sub/a.obj\"", "\"mesh\": \"\"", "s.json:11: assets[0].mesh: wants a text in quotes"},
@@ -242,6 +246,171 @@ TEST(SceneFile, EveryMistakeIsRefusedWithLineAndField)
 	}
 }
 
+namespace
+{
+/// Two hands with a tool each, and a tracked hand.
+const char* const kHands = R"({
+	"schema": 1,
+	"assets": [{"name": "ball", "shape": "sphere"}],
+	"bodies": [
+		{"name": "floor", "plane": {}},
+		{"name": "a", "asset": "ball"},
+		{"name": "b", "asset": "ball"}
+	],
+	"hands": [
+		{"name": "left", "device": "sim:sigma7", "tool": "a", "path": [{"time": 0}, {"time": 3}]},
+		{"name": "right", "device": "sim:touch", "tool": "b", "path": [{"time": 0}, {"time": 2}], "coupling": {"stiffness": 300}},
+		{"name": "glove", "device": "motion:hand.csv", "parts": {"spheres": 60, "friction": 0.4}, "origin": {"position": [0, 1, 0]}}
+	],
+	"pairs": [["a", "b"], ["floor", "glove"]],
+	"hooks": [{"on": "collision", "do": "count", "hand": "right"}, {"on": "fault", "do": "log"}]
+})";
+
+std::string refusalOfHands(const std::string& from, const std::string& to)
+{
+	std::string text = kHands;
+	const size_t at = text.find(from);
+	EXPECT_NE(at, std::string::npos) << from;
+	return refusalOf(text.replace(at, from.size(), to));
+}
+}  // namespace
+
+TEST(SceneFile, ReadsSeveralHands)
+{
+	const Result<Scene> read = parseScene("s.json", kHands, "");
+	ASSERT_TRUE(read) << read.error().message;
+	const Scene& s = read.value();
+	ASSERT_EQ(s.hands.size(), 3u);
+	EXPECT_EQ(s.hands[0].name, "left");
+	EXPECT_EQ(s.hands[0].tool, 1u);
+	EXPECT_EQ(s.hands[0].path.size(), 2u);
+	EXPECT_LT(s.hands[0].coupling.stiffness, 0);
+	EXPECT_EQ(s.hands[1].device, "sim:touch");
+	EXPECT_EQ(s.hands[1].devicePlace, "s.json:11: hands[1].device");
+	EXPECT_EQ(s.hands[1].coupling.stiffness, 300);
+	ASSERT_TRUE(s.hands[2].parts.has_value());
+	EXPECT_EQ(s.hands[2].parts->spheres, 60);
+	EXPECT_EQ(s.hands[2].parts->friction, 0.4);
+	EXPECT_EQ(s.hands[2].X_BW->translation.y, 1);
+	EXPECT_EQ(s.duration, 3);
+	EXPECT_FALSE(s.isTool(0));
+	EXPECT_TRUE(s.isTool(1));
+	EXPECT_TRUE(s.isTool(2));
+	EXPECT_EQ(s.pairs, (std::vector<std::pair<size_t, size_t>>{{1, 2}}));
+	EXPECT_EQ(s.partPairs, (std::vector<std::pair<size_t, size_t>>{{2, 0}}));
+	EXPECT_EQ(s.hooks[0].hand, 1u);
+	EXPECT_FALSE(s.hooks[1].hand.has_value());
+}
+
+TEST(SceneFile, EveryMistakeInSeveralHandsIsRefusedWithLineAndField)
+{
+	const struct
+	{
+		const char *from, *to, *wanted;
+	} mistakes[] = {
+		{"\"hands\": [", "\"hand\": {}, \"hands\": [", "s.json:9: hands: goes without hand"},
+		{"\"name\": \"left\", ", "", "s.json:10: hands[0].name: is missing"},
+		{"\"name\": \"right\"", "\"name\": \"left\"", "s.json:11: hands[1].name: another one is called left already"},
+		{"\"tool\": \"b\"", "\"tool\": \"a\"", "s.json:11: hands[1].tool: left holds a already"},
+		{"\"tool\": \"b\", ", "", "s.json:11: hands[1].tool: is missing"},
+		{"\"stiffness\": 300", "\"stiffness\": -1", "s.json:11: hands[1].coupling.stiffness: wants a number from"},
+		{"{\"time\": 2}", "{\"time\": 0}", "s.json:11: hands[1].path[1].time: wants more than that of the frame before"},
+		{"\"parts\": {", "\"tool\": \"b\", \"parts\": {", "s.json:12: hands[2].tool: goes without parts"},
+		{"\"parts\": {", "\"gravity\": true, \"parts\": {", "s.json:12: hands[2].gravity: no such field is known here"},
+		{"\"spheres\": 60", "\"spheres\": 0", "s.json:12: hands[2].parts.spheres: wants a number from 1"},
+		{"\"friction\": 0.4", "\"slip\": 0.4", "s.json:12: hands[2].parts.slip: no such field is known here"},
+		{"\"name\": \"glove\"", "\"name\": \"floor\"", "s.json:12: hands[2].name: a body is called floor"},
+		{"\"schema\": 1,", "\"schema\": 1, \"topology\": \"local-model\",", "s.json:12: hands[2].parts: the bodies of a tracked hand"},
+		{"[\"floor\", \"glove\"]", "[\"ghost\", \"glove\"]", "s.json:14: pairs[1]: no body is called ghost"},
+		{"[\"floor\", \"glove\"]", "[\"floor\", \"left\"]", "s.json:14: pairs[1]: no body is called left"},
+		{"\"hand\": \"right\"", "\"hand\": \"both\"", "s.json:15: hooks[0].hand: no hand is called both; there are left, right, glove"},
+	};
+	EXPECT_EQ(refusalOf(kHands), "accepted");
+	for (const auto& m : mistakes)
+	{
+		const std::string refusal = refusalOfHands(m.from, m.to);
+		EXPECT_EQ(refusal.compare(0, std::string(m.wanted).size(), m.wanted), 0) << "wanted " << m.wanted << "\n   got " << refusal;
+	}
+}
+
+TEST(SceneFile, ReadsSwitches)
+{
+	std::string text = kHands;
+	const std::string from = R"({"on": "fault", "do": "log"})";
+	text.replace(text.find(from), from.size(), R"(
+		{"on": "button", "do": "switch", "what": "friction"},
+		{"on": "button", "button": 3, "when": "released", "do": "switch", "what": "coupling", "to": "on", "hand": "left"},
+		{"on": "collision", "body": "floor", "when": "ends", "do": "switch", "what": "pair", "pair": ["b", "a"], "to": "off", "start": "off"},
+		{"on": "collision", "do": "switch", "what": "pair", "pair": ["glove", "floor"]},
+		{"on": "button", "button": 32, "do": "stop"},
+		{"on": "collision", "do": "count", "body": "b"})");
+	const std::string path = R"({"time": 2})";
+	text.replace(text.find(path), path.size(), R"({"time": 2, "buttons": [1, 32]})");
+	const Result<Scene> read = parseScene("s.json", text, "");
+	ASSERT_TRUE(read) << read.error().message;
+	const std::vector<SceneHook>& hooks = read.value().hooks;
+	ASSERT_EQ(hooks.size(), 7u);
+	EXPECT_EQ(hooks[1].event, SceneHook::Event::Button);
+	EXPECT_EQ(hooks[1].action, SceneHook::Action::Switch);
+	EXPECT_EQ(hooks[1].button, 1);
+	EXPECT_FALSE(hooks[1].atEnd);
+	EXPECT_EQ(hooks[1].what, SceneHook::What::Friction);
+	EXPECT_EQ(hooks[1].to, SceneHook::To::Toggle);
+	EXPECT_FALSE(hooks[1].startsOff);
+	EXPECT_EQ(hooks[2].button, 3);
+	EXPECT_TRUE(hooks[2].atEnd);
+	EXPECT_EQ(hooks[2].what, SceneHook::What::Coupling);
+	EXPECT_EQ(hooks[2].to, SceneHook::To::On);
+	EXPECT_EQ(hooks[2].hand, 0u);
+	EXPECT_EQ(hooks[3].body, 0u);
+	EXPECT_TRUE(hooks[3].atEnd);
+	EXPECT_EQ(hooks[3].pair, 0u);
+	EXPECT_EQ(hooks[3].to, SceneHook::To::Off);
+	EXPECT_TRUE(hooks[3].startsOff);
+	EXPECT_EQ(hooks[4].partPair, 0u);
+	EXPECT_EQ(hooks[5].button, 32);
+	EXPECT_EQ(hooks[6].body, 2u);
+	EXPECT_EQ(read.value().hands[1].path[1].buttons, 0x80000001u);
+}
+
+TEST(SceneFile, EveryMistakeInASwitchIsRefusedWithLineAndField)
+{
+	const struct
+	{
+		const char *hook, *wanted;
+	} mistakes[] = {
+		{R"({"on": "button", "do": "count"})", "do: count cannot be done on button"},
+		{R"({"on": "fault", "do": "switch", "what": "forces"})", "do: switch cannot be done on fault"},
+		{R"({"on": "button", "button": 0, "do": "stop"})", "button: wants a number from 1"},
+		{R"({"on": "button", "when": "begins", "do": "stop"})", "when: wants one of pressed, released"},
+		{R"({"on": "collision", "when": "pressed", "do": "switch", "what": "forces"})", "when: wants one of begins, ends"},
+		{R"({"on": "collision", "body": "ghost", "do": "stop"})", "body: no body is called ghost"},
+		{R"({"on": "button", "do": "switch"})", "what: is missing"},
+		{R"({"on": "button", "do": "switch", "what": "gravity"})", "what: wants one of friction, coupling, forces, pair"},
+		{R"({"on": "button", "do": "switch", "what": "forces", "to": "half"})", "to: wants one of toggle, on, off"},
+		{R"({"on": "button", "do": "switch", "what": "forces", "start": 1})", "start: wants a text in quotes"},
+		{R"({"on": "button", "do": "switch", "what": "forces", "pair": ["a", "b"]})", "pair: no such field is known here"},
+		{R"({"on": "button", "do": "switch", "what": "pair"})", "pair: is missing"},
+		{R"({"on": "button", "do": "switch", "what": "pair", "pair": ["a"]})", "pair: wants the names of two bodies"},
+		{R"({"on": "button", "do": "switch", "what": "pair", "pair": ["a", "floor"]})", "pair: wants one of the pairs"},
+		{R"({"on": "button", "do": "switch", "what": "coupling"})", "what: glove has parts"},
+	};
+	for (const auto& m : mistakes)
+	{
+		const std::string refusal = refusalOfHands(R"({"on": "fault", "do": "log"})", m.hook),
+						  wanted = std::string("s.json:15: hooks[1].") + m.wanted;
+		EXPECT_EQ(refusal.compare(0, wanted.size(), wanted), 0) << "wanted " << wanted << "\n   got " << refusal;
+	}
+	EXPECT_EQ(refusalOfHands("{\"time\": 2}", "{\"time\": 2, \"buttons\": [0]}")
+				  .find("s.json:11: hands[1].path[1].buttons: wants numbers of buttons"),
+		0u);
+	std::string text = kHands;
+	const std::string stiff = "\"stiffness\": 300", log = R"({"on": "fault", "do": "log"})";
+	text.replace(text.find(stiff), stiff.size(), "\"static\": true");
+	text.replace(text.find(log), log.size(), R"({"on": "button", "do": "switch", "what": "coupling", "hand": "right"})");
+	EXPECT_EQ(refusalOf(text).find("s.json:15: hooks[1].what: the coupling of right is static"), 0u) << refusalOf(text);
+}
+
 TEST(SceneFile, WithoutADurationThePathGivesIt)
 {
 	const Result<Scene> scene = parseScene("s.json", with("\t\"duration\": 2.5,\n", ""), "");
@@ -253,11 +422,11 @@ TEST(SceneFile, ASceneForTestsHasNoHand)
 {
 	const Result<Scene> whole = parseScene("s.json", kWhole, "");
 	ASSERT_TRUE(whole) << whole.error().message;
-	EXPECT_TRUE(whole.value().hasHand);
+	EXPECT_EQ(whole.value().hands.size(), 1u);
 	EXPECT_EQ(whole.value().handPlace, "s.json:27: hand");
 	const Result<Scene> scene = parseScene("s.json", R"({"schema": 1, "bodies": [{"name": "pea", "sphere": 0.01}]})", "");
 	ASSERT_TRUE(scene) << scene.error().message;
-	EXPECT_FALSE(scene.value().hasHand);
+	EXPECT_TRUE(scene.value().hands.empty());
 	EXPECT_EQ(scene.value().handPlace, "s.json:1: hand");
 }
 
@@ -345,10 +514,10 @@ TEST(SceneFile, TheScenesThatAreCarriedAreWhole)
 	int found = 0;
 	for (const auto& entry : std::filesystem::directory_iterator(SCENE_FOLDER))
 	{
-		if (entry.path().extension() != ".json") continue;
+		if (entry.path().extension() != ".json" || entry.path().stem().extension() == ".schema") continue;
 		const Result<Scene> scene = loadScene(entry.path().string());
 		EXPECT_TRUE(scene) << scene.error().message;
 		++found;
 	}
-	EXPECT_GE(found, 3);
+	EXPECT_GE(found, 5);
 }

@@ -56,6 +56,17 @@ expect "unknown command" 2 "$bridge" lits
 grep -q 'the nearest is "list"' "$dir/err" || { echo "FAILED unknown command"; failures=$((failures + 1)); }
 expect "list" 0 "$bridge" list --json
 holds "list" 'r["schema"] == 1 and {"sim:", "replay:"} <= {d["scheme"] for d in r["drivers"]} and len(r["devices"]) >= 15'
+expect "state of two" 0 "$bridge" state sim:touchx sim:sigma7 --seconds 0.2 --json
+holds "state of two" '[d["state"] for d in r["devices"]] == ["ready", "ready"] and r["devices"][1]["model"] == "sigma.7"' \
+	'and r["devices"][0]["samples_hz"] > 0 and r["devices"][0]["buttons"] == "none"'
+expect "state as a table" 0 "$bridge" state sim:touchx --seconds 0.1
+grep -q '^  sim:touchx  *ready  *Touch X ' "$dir/out" || { echo "FAILED state as a table"; cat "$dir/out"; failures=$((failures + 1)); }
+expect "state of none" 1 "$bridge" state sim:nothing sim:touchx --seconds 0.1 --json
+holds "state of none" '"No simulated device is called" in r["devices"][0]["state"] and r["devices"][1]["state"] == "ready"'
+expect "a device that is lost while it is watched" 0 "$bridge" record sim:touchx --seconds 0.3 -o "$dir/short.istdrec"
+expect "a device that is lost while it is watched" 1 "$bridge" state "replay:$dir/short.istdrec" --watch --seconds 1
+[ "$(grep -c "replay:$dir/short.istdrec  " "$dir/out")" -eq 2 ] && grep -q ' ready$' "$dir/out" && grep -q ' lost: ' "$dir/out" \
+	|| { echo "FAILED a device that is lost while it is watched"; cat "$dir/out"; failures=$((failures + 1)); }
 expect "info" 0 "$bridge" info sim:touchx --json
 holds "info" 'r["peak_force"] == 7.9 and r["peak_torque"] is None and r["handedness"] == "either"' \
 	'and "peakForce: " in r["source"] and r["actuated"] == ["x", "y", "z"]'

@@ -113,6 +113,8 @@ expect "spheres are counted" 2 "--spheres must be a positive whole number, not 2
 expect "so many spheres there are not" 2 "--spheres must be a positive whole number, not 1e300" \
 	"$demos" --demo hello --headless --spheres 1e300
 expect "a scene's file has a name" 2 "--scene needs a value" "$demos" --scene "" --json
+expect "forces want a device" 2 "--forces goes with --device" "$demos" --demo bunny --forces
+expect "a saved scene wants a demo" 2 "--save-scene needs --demo" "$demos" --save-scene x.json
 expect "a gallery's folder has a name" 2 "--gallery needs a value" "$demos" --gallery ""
 expect "counts are checked" 2 "--frames must be a positive whole number" "$demos" --demo hello --headless --frames 1.5
 expect "other demos take no picture" 2 "only the browser's demos know it" "$demos" --demo continuity --screenshot x.png
