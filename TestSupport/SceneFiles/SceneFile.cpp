@@ -7,8 +7,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <system_error>
 
 using namespace ist;
@@ -402,21 +400,26 @@ private:
 };
 }  // namespace
 
-Result<Scene> parseScene(const std::string& name, const std::string& text, const std::string& folder)
+namespace
 {
-	const Result<JsonSource> source = JsonSource::parse(name, text);
+Result<Scene> readScene(
+	Result<JsonSource> source, const std::string& name, const std::string& folder, const std::vector<SceneSetting>& settings)
+{
 	if (!source) return source.error();
+	for (const auto& [path, value] : settings)
+		if (const auto refused = source.value().replace(path, value)) return Error{name + ": " + refused->message};
 	return SceneReader(source.value(), folder).read(name);
 }
+}  // namespace
 
-Result<Scene> loadScene(const std::string& path)
+Result<Scene> parseScene(
+	const std::string& name, const std::string& text, const std::string& folder, const std::vector<SceneSetting>& settings)
 {
-	const Error unreadable{path + ": cannot be read"};
-	std::error_code failed;
-	if (!std::filesystem::is_regular_file(path, failed)) return unreadable;
-	std::ifstream file(path, std::ios::binary);
-	std::ostringstream text;
-	if (!file.is_open() || (file.peek() != std::ifstream::traits_type::eof() && !(text << file.rdbuf())) || file.bad()) return unreadable;
-	return parseScene(path, text.str(), std::filesystem::path(path).parent_path().string());
+	return readScene(JsonSource::parse(name, text), name, folder, settings);
+}
+
+Result<Scene> loadScene(const std::string& path, const std::vector<SceneSetting>& settings)
+{
+	return readScene(JsonSource::load(path), path, std::filesystem::path(path).parent_path().string(), settings);
 }
 }  // namespace scenes
