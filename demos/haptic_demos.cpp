@@ -14,6 +14,7 @@
 #include "demos/scenes/Pages/ZWidthPage.h"
 #include "demos/scenes/Scene/PaperFigures.h"
 #include "demos/scenes/Scene/SceneReport.h"
+#include "demos/scenes/Study/StudyRun.h"
 #include "demos/scenes/Truth/MeshToQuery.h"
 
 #include <cstdio>
@@ -161,7 +162,7 @@ int runSceneFile(const DemoArguments& a)
 {
 	const ist::Result<scenes::Scene> scene = scenes::loadScene(a.scene);
 	if (!scene) return say(scene.error().message), 1;
-	const scenes::SceneRunOptions options{{a.cache, showProgress, say}, a.virtualTime};
+	const scenes::SceneRunOptions options{{a.cache, showProgress, say}, a.virtualTime, {}};
 	const ist::Result<scenes::SceneOutcome> outcome = scenes::runScene(scene.value(), options);
 	if (!outcome) return say(outcome.error().message), 1;
 	const int presented = present(a, outcome.value());
@@ -169,12 +170,24 @@ int runSceneFile(const DemoArguments& a)
 	return outcome.value().ok() ? presented : 1;
 }
 
+int runStudyFile(const DemoArguments& a)
+{
+	const ist::Result<scenes::Study> study = scenes::loadStudy(a.study, a.device);
+	if (!study) return say(study.error().message), 1;
+	const scenes::StudyRunOptions options{{{a.cache, showProgress, say}, a.virtualTime, {}}, a.participant, a.results};
+	const ist::Result<scenes::StudyOutcome> outcome = scenes::runStudy(study.value(), options);
+	if (!outcome) return say(outcome.error().message), 1;
+	scenes::printOutcome(a, outcome.value());
+	if (outcome.value().interrupted) return 130;
+	return outcome.value().ok() ? 0 : 1;
+}
+
 int runPaperFigures(const DemoArguments& a)
 {
 	std::vector<std::string> files;
 	for (const char* name : {"bunny.json", "crown.json", "sword-and-ring.json"})
 		files.push_back((std::filesystem::path(a.scenes) / name).string());
-	const auto scenes = scenes::runPaperFigures(files, {{a.cache, showProgress, say}, false});
+	const auto scenes = scenes::runPaperFigures(files, {{a.cache, showProgress, say}, false, {}});
 	if (!scenes) return say(scenes.error().message), scenes.error().cancelled ? 130 : 1;
 	std::error_code ignored;
 	std::filesystem::create_directories(a.paperFigures, ignored);
@@ -225,6 +238,7 @@ int run(int argc, char** argv)
 		return 0;
 	}
 	if (!a.scene.empty()) return runSceneFile(a);
+	if (!a.study.empty()) return runStudyFile(a);
 	if (!a.paperFigures.empty()) return runPaperFigures(a);
 	if (a.demo == "haptic-bunny") return runHapticBunny(a);
 	if (a.demo == "continuity") return runContinuity(a);

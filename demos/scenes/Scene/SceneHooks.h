@@ -17,6 +17,8 @@ public:
 	SceneHooks(const SceneHooks&) = delete;
 	SceneHooks& operator=(const SceneHooks&) = delete;
 
+	/// Ends the run after the tick in progress.
+	void stop();
 	bool stopWanted() const { return m_stop.load(std::memory_order_relaxed); }
 	/// Call this after the run. It writes counts and faults into the outcome, and recordings into their files. Each file is either
 	/// complete or missing; the missing ones are listed in the outcome.
@@ -42,8 +44,6 @@ private:
 	/// Returns false when the recording is full.
 	bool record(Recording& into, const devicebridge::DeviceState& state);
 	std::string textOf(const Recording& recording) const;
-	void stop();
-
 	const SceneWorld& m_world;
 	ist::Pose m_X_BW, m_X_PM;  // pose of the device's world; pose of the tool's mesh frame
 	devicebridge::SteppingThread& m_thread;

@@ -341,6 +341,10 @@ std::optional<Error> play(const Stage& stage, ContactSource& source, BulletDecou
 	SteppingThread thread(*stage.hand.device, source, *stage.hand.clock, settings);
 	TickRecorder recorder(thread, stage.hand, stage.ticks, decoupled);
 	SceneHooks hooks(stage.scene, stage.world, stage.hand.X_BW, thread, stage.hand.clock->now(), stage.ticks);
+	if (stage.options.listener)
+		thread.onHapticTick.addDelegate([&](const DeviceState&, const Wrench&) {
+			if (!stage.options.listener(thread, stage.world)) hooks.stop();
+		});
 	std::unique_ptr<WorldBeside> beside;
 	if (decoupled) beside = std::make_unique<WorldBeside>(stage.world, *decoupled, *stage.hand.clock, stage.scene.worldRate);
 	const bool ownThread = decoupled && decoupled->topology() == ContactThreading::OwnThread && !stage.options.virtualTime;
