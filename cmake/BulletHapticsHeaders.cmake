@@ -80,6 +80,7 @@ set(BULLETHAPTICS_HEADERS
 	DeviceBridge/Bullet/BulletContactSource.h
 	DeviceBridge/Bullet/BulletDecoupledSource.h
 	DeviceBridge/Bullet/BulletHand.h
+	DeviceBridge/Bullet/BulletHandSource.h
 	DeviceBridge/Bullet/BulletHeatMap.h
 	DeviceBridge/Bullet/BulletLocalWorld.h
 	DeviceBridge/Bullet/BulletToolContacts.h

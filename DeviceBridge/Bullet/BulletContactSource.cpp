@@ -56,27 +56,42 @@ BulletContactSource::BulletContactSource(
 	m_tool.setGravity(btVector3(0, 0, 0));
 }
 
+void BulletContactSource::prepare(double dt, const DeviceState& hand) noexcept
+{
+	m_isPrepared = true;
+	m_preparedAt = m_store.step();
+	m_toolOrigin = toVec3(m_tool.getWorldTransform().getOrigin());
+	// A static coupling gives the tool the mass of a spring times the square of the step.
+	if (m_settings.gains.isStatic && !(dt > 0)) return;
+	adapt(dt, hand);
+	forgetMomentum(dt);
+	m_pull = pull(dt, hand);
+	applyToTool(m_pull);
+}
+
 void BulletContactSource::advance(double dt, const DeviceState& hand, ToolStep& step) noexcept
 {
-	if (m_settings.gains.isStatic && !(dt > 0))  // the tool's mass is that of a spring times the square of the step
+	if (!m_isPrepared) prepare(dt, hand);
+	m_isPrepared = false;
+	if (m_settings.gains.isStatic && !(dt > 0))
 	{
 		step.coupling = {};
 		step.tool = toolState();
 		return;
 	}
-	const ist::Vec3 toolOrigin = toVec3(m_tool.getWorldTransform().getOrigin());
-	adapt(dt, hand);
-	forgetMomentum(dt);
-	step.coupling = pull(dt, hand);
-	applyToTool(step.coupling);
-	m_store.resetQueryTime();
-	m_world.stepSimulation(btScalar(dt), 0);
-	step.queryMicroseconds = 1e6 * m_store.querySeconds();
+	if (m_store.step() == m_preparedAt) stepWorld(dt, step);
 	step.tool = toolState();
 	step.toolIsBroken = !isFinite(step.tool.twist) || !isRigid(step.tool.X_WT);
 	step.couplingFactor = m_coupling.factor();
-	if (m_settings.gains.isStatic) step.coupling = staticWrench(m_coupling.gains(), step.coupling, step.tool.twist, dt);
-	collectContacts(dt, toolOrigin, step);
+	step.coupling = m_settings.gains.isStatic ? staticWrench(m_coupling.gains(), m_pull, step.tool.twist, dt) : m_pull;
+	collectContacts(dt, step);
+}
+
+void BulletContactSource::stepWorld(double dt, ToolStep& step) noexcept
+{
+	m_store.resetQueryTime();
+	m_world.stepSimulation(btScalar(dt), 0);
+	step.queryMicroseconds = 1e6 * m_store.querySeconds();
 }
 
 ToolState BulletContactSource::toolState() const noexcept
@@ -164,18 +179,18 @@ bool BulletContactSource::isFresh(const btISTContact& contact) const noexcept
 	return contact.stamp + 1 == m_store.step() && contact.patchCount > 0 && (contact.bodyA == &m_tool || contact.bodyB == &m_tool);
 }
 
-void BulletContactSource::collectContacts(double dt, const ist::Vec3& toolOrigin, ToolStep& step) const noexcept
+void BulletContactSource::collectContacts(double dt, ToolStep& step) const noexcept
 {
 	for (const btISTContact* contact : m_store.contacts())
 	{
 		if (!isFresh(*contact)) continue;
 		step.overlapVolume += contact->total.volume;
 		step.pairs += contact->total.pairs;
-		if (step.contactCount < kMaxToolContacts) step.contacts[step.contactCount++] = contactInW(*contact, dt, toolOrigin);
+		if (step.contactCount < kMaxToolContacts) step.contacts[step.contactCount++] = contactInW(*contact, dt);
 	}
 }
 
-ToolContact BulletContactSource::contactInW(const btISTContact& contact, double dt, const ist::Vec3& toolOrigin) const noexcept
+ToolContact BulletContactSource::contactInW(const btISTContact& contact, double dt) const noexcept
 {
 	const bool toolIsA = contact.bodyA == &m_tool;
 	const double sign = toolIsA ? 1 : -1;
@@ -189,7 +204,7 @@ ToolContact BulletContactSource::contactInW(const btISTContact& contact, double 
 		if (!(contact.patches[i].volume > 0)) continue;
 		const ist::Wrench& onA = contact.impulses[i];
 		impulse.force += onA.force;
-		impulse.torque += onA.torque + cross(place(contact.patches[i]) - toolOrigin, onA.force);
+		impulse.torque += onA.torque + cross(place(contact.patches[i]) - m_toolOrigin, onA.force);
 	}
 
 	ToolContact out;

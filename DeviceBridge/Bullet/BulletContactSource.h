@@ -30,7 +30,9 @@ struct BulletToolSettings
 ///
 /// T is the body's centre-of-mass frame. Contacts are those of the step: they are found at the pose at its beginning. Their force is the
 /// final impulse divided by the length of the step. `onTool` and `coupling` are about the origin of T in that pose; `tool` is the state
-/// after the step. World, store and tool must outlive this object. Between ticks the thread that runs the ticks is their only owner.
+/// after the step. The sources of several hands in one world take one step together, if their hands share a loop
+/// (SteppingThread::addHand). World, store and tool must outlive this object. Between ticks the thread that runs the ticks is their only
+/// owner.
 class BulletContactSource final : public ContactSource
 {
 public:
@@ -41,9 +43,11 @@ public:
 		: BulletContactSource(world.bullet(), world.contacts(), tool, settings)
 	{}
 
-	/// Advances the world. The tool is not pulled if the hand is not finite or not rigid. On a static coupling a step of length 0 does
-	/// nothing. O(bodies and contacts). It allocates only when the world grows: as Bullet does, and in the first query of trees larger than
-	/// any before.
+	/// Pulls the tool, for advance(), which calls it if the loop does not.
+	void prepare(double dt, const DeviceState& hand) noexcept override;
+	/// Advances the world, unless it has taken its step since prepare(). The tool is not pulled if the hand is not finite or not rigid. On
+	/// a static coupling a step of length 0 does nothing. O(bodies and contacts). It allocates only when the world grows: as Bullet does,
+	/// and in the first query of trees larger than any before.
 	void advance(double dt, const DeviceState& hand, ToolStep& step) noexcept override;
 
 	/// Why the tool could not be coupled when it was passed in. If it is not empty, neither tool nor hand is pulled, but the world is
@@ -60,8 +64,9 @@ private:
 	ist::Wrench pull(double dt, const DeviceState& hand) const noexcept;
 	void forgetMomentum(double dt) noexcept;
 	void applyToTool(const ist::Wrench& inW) noexcept;
-	void collectContacts(double dt, const ist::Vec3& toolOrigin, ToolStep& step) const noexcept;
-	ToolContact contactInW(const btISTContact& contact, double dt, const ist::Vec3& toolOrigin) const noexcept;
+	void stepWorld(double dt, ToolStep& step) noexcept;
+	void collectContacts(double dt, ToolStep& step) const noexcept;
+	ToolContact contactInW(const btISTContact& contact, double dt) const noexcept;
 
 	btDynamicsWorld& m_world;
 	btISTContactStore& m_store;
@@ -70,6 +75,10 @@ private:
 	AdaptiveCoupling m_coupling;
 	ist::Pose m_X_WB;
 	double m_mass;  // mass of the tool when it was passed in [kg]
+	bool m_isPrepared = false;
+	std::uint64_t m_preparedAt = 0;  // step of the store in which the tool was pulled
+	ist::Wrench m_pull;
+	ist::Vec3 m_toolOrigin;  // position of the tool before the step, in World
 	const char* m_refusal;
 };
 }  // namespace devicebridge

@@ -48,6 +48,14 @@ class ContactSource
 {
 public:
 	virtual ~ContactSource() = default;
+	/// Called before advance(), with the same arguments. A loop with several hands prepares the sources of all hands before it advances the
+	/// first, so that all pull their tools before a world that they share takes its step (SteppingThread::addHand). While the device gives
+	/// no usable sample, `hand` is the last one, without kHandPresent.
+	virtual void prepare(double dt, const DeviceState& hand) noexcept
+	{
+		static_cast<void>(dt);
+		static_cast<void>(hand);
+	}
 	/// Advances the world by `dt` [s] while the hand pulls the tool. On entry the contact count, volume, pairs, `overdue` and
 	/// `toolIsBroken` of `step` are zero. The other fields are those of the last step.
 	virtual void advance(double dt, const DeviceState& hand, ToolStep& step) noexcept = 0;

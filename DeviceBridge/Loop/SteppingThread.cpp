@@ -76,13 +76,29 @@ SteppingThread::SteppingThread(Device& device, ContactSource& source, Clock& clo
 SteppingThread::~SteppingThread()
 {
 	stop();
+	for (SteppingThread* hand : m_hands) hand->m_owner = nullptr;
+	if (m_owner) m_owner->m_hands.erase(std::remove(m_owner->m_hands.begin(), m_owner->m_hands.end(), this), m_owner->m_hands.end());
 	if (m_ticks > 0) sendZero(FaultCause::None, m_time.now());
+}
+
+const char* SteppingThread::addHand(SteppingThread& other)
+{
+	if (&other == this) return "a loop cannot be added to itself";
+	if (running() || other.running()) return "a loop runs: stop it first";
+	if (m_owner || other.m_owner || !other.m_hands.empty()) return "a loop shares its ticks already";
+	if (m_settings.period != other.m_settings.period) return "the loops have different periods, but hands in one world share its step";
+	m_hands.push_back(&other);
+	other.m_owner = this;
+	return "";
 }
 
 /// Gives the calling thread the sole right to tick. Returns false, with a refusal, if it cannot.
 bool SteppingThread::claim() noexcept
 {
 	const char* refused = m_source.refusal();
+	if (m_owner) refused = "the loop to which this hand was added ticks it: start that one";
+	for (const SteppingThread* hand : m_hands)
+		if (refused[0] == '\0') refused = hand->m_source.refusal();
 	Loop idle = Loop::Idle;
 	if (refused[0] == '\0' && !m_loop.compare_exchange_strong(idle, Loop::Running))
 		refused = m_loopThread.load() == std::this_thread::get_id() ? "the loop runs on this very thread: a listener cannot start another"
@@ -98,6 +114,7 @@ void SteppingThread::leave() noexcept
 	Loop running = Loop::Running;
 	if (m_loop.compare_exchange_strong(running, Loop::Idle)) return;
 	sendZero(FaultCause::None, m_time.now());
+	for (SteppingThread* hand : m_hands) hand->sendZero(FaultCause::None, hand->m_time.now());
 	m_scheduled = false;
 	m_stops.fetch_add(1, std::memory_order_release);
 	m_loop.store(Loop::Idle, std::memory_order_release);
@@ -146,12 +163,14 @@ bool SteppingThread::start()
 
 void SteppingThread::requestStop() noexcept
 {
+	if (m_owner) return m_owner->requestStop();
 	Loop running = Loop::Running;
 	m_loop.compare_exchange_strong(running, Loop::Stopping);
 }
 
 void SteppingThread::stop() noexcept
 {
+	if (m_owner) return m_owner->stop();
 	const std::uint64_t stops = m_stops.load(std::memory_order_acquire);
 	requestStop();
 	if (m_loopThread.load() == std::this_thread::get_id()) return;
@@ -163,6 +182,8 @@ void SteppingThread::stop() noexcept
 	if (!m_loop.compare_exchange_strong(idle, Loop::Stopping)) return;
 	// A run() that ended by itself has left the last command active.
 	if (!isZero(m_sent.wrench)) sendZero(FaultCause::None, m_time.now());
+	for (SteppingThread* hand : m_hands)
+		if (!isZero(hand->m_sent.wrench)) hand->sendZero(FaultCause::None, hand->m_time.now());
 	m_scheduled = false;
 	m_loop.store(Loop::Idle, std::memory_order_release);
 }
@@ -219,28 +240,58 @@ void SteppingThread::waitForTick() noexcept
 void SteppingThread::tick() noexcept
 {
 	const std::int64_t now = m_lastTick;
-	const bool fresh = readDevice(now);
+	for (SteppingThread* hand : m_hands) hand->m_lastTick = hand->m_time.now();
+	beginTick();
+	for (SteppingThread* hand : m_hands) hand->beginTick();
+	endTick();
+	for (SteppingThread* hand : m_hands) hand->endTick();
+	increment(m_ticks);
+	for (SteppingThread* hand : m_hands) increment(hand->m_ticks);
+	m_costs.add(m_time.now() - now);
+}
+
+/// Reads the device and pulls the tool. All hands of a loop do this before their world takes a step.
+void SteppingThread::beginTick() noexcept
+{
+	m_isFresh = readDevice(m_lastTick);
 	m_wanted = {};
+	m_threw = false;
 	try
 	{
-		const std::int64_t computedAt = fresh ? computeWrench() : now;
-		if (!fresh && m_hasState) advanceWorld();
-		if (fresh) send(computedAt);
-		else sendZero(m_monitorCause, now);
+		if (m_isFresh) onTransform.broadcast(m_state);
+		if (m_hasState) prepareWorld();
 	}
 	catch (...)
 	{
-		m_limiter.raiseFault();
-		m_latchedCause = FaultCause::HookException;
-		sendZero(FaultCause::HookException, now);
+		m_threw = true;
 	}
-	increment(m_ticks);
-	m_costs.add(m_time.now() - now);
+}
+
+void SteppingThread::endTick() noexcept
+{
+	if (m_threw) return sendZeroAfterException();
+	try
+	{
+		const std::int64_t computedAt = m_isFresh ? computeWrench() : m_lastTick;
+		if (!m_isFresh && m_hasState) advanceWorld();
+		if (m_isFresh) send(computedAt);
+		else sendZero(m_monitorCause, m_lastTick);
+	}
+	catch (...)
+	{
+		sendZeroAfterException();
+	}
+}
+
+void SteppingThread::sendZeroAfterException() noexcept
+{
+	m_limiter.raiseFault();
+	m_latchedCause = FaultCause::HookException;
+	sendZero(FaultCause::HookException, m_lastTick);
 }
 
 std::int64_t SteppingThread::computeWrench()
 {
-	onTransform.broadcast(m_state);
 	advanceWorld();
 	m_wanted = m_law->handWrench(m_state, m_step);
 	// The time that a law reports is limited to an hour from now. Beyond that all answers are equally old, and sums with such times would
@@ -279,6 +330,17 @@ bool SteppingThread::readDevice(std::int64_t now) noexcept
 	return true;
 }
 
+void SteppingThread::prepareWorld()
+{
+	m_pulling = m_state;
+	// The hand also moves on while the device gives no sample and while the thread is stopped.
+	m_pulling.X_WH = m_gapBridge.reference(
+		m_state.X_WH, 1e-9 * static_cast<double>(m_lastTick - m_lastSampleTick), 1e-9 * static_cast<double>(m_settings.period));
+	if (m_monitorCause == FaultCause::None) m_lastSampleTick = m_lastTick;
+	else m_pulling.flags &= ~static_cast<std::uint32_t>(kHandPresent);
+	m_source.prepare(1e-9 * static_cast<double>(m_settings.period), m_pulling);
+}
+
 // Uses the nominal period, because a late tick must not make the world take a longer, less stable step.
 void SteppingThread::advanceWorld()
 {
@@ -287,12 +349,7 @@ void SteppingThread::advanceWorld()
 	m_step.pairs = 0;
 	m_step.overdue = 0;
 	m_step.toolIsBroken = false;
-	const double period = 1e-9 * static_cast<double>(m_settings.period);
-	DeviceState hand = m_state;
-	// The hand also moves on while the device gives no sample and while the thread is stopped.
-	hand.X_WH = m_gapBridge.reference(m_state.X_WH, 1e-9 * static_cast<double>(m_lastTick - m_lastSampleTick), period);
-	if (m_monitorCause == FaultCause::None) m_lastSampleTick = m_lastTick;
-	m_source.advance(period, hand, m_step);
+	m_source.advance(1e-9 * static_cast<double>(m_settings.period), m_pulling, m_step);
 	if (m_step.toolIsBroken)
 	{
 		m_limiter.raiseFault();

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstdint>
 #include <thread>
+#include <vector>
 
 #include "DeviceBridge/Loop/ForceLaw.h"
 #include "DeviceBridge/Loop/GapBridge.h"
@@ -50,6 +51,7 @@ struct SteppingSettings
 /// SafetyLimiter, write the device. The tick itself allocates nothing and takes no lock; the source documents its own cost.
 /// After a gap between ticks the schedule starts again, the world takes one step of the nominal period, and GapBridge brings the tool to
 /// the hand. The same happens after an outage of the device and after stop() and start().
+/// Hands that share a world have one loop (addHand).
 /// Device, source, law and clock must outlive the thread. Set up listeners and law before start(). If a listener throws, the tick catches
 /// it, and the device gets zero until clearFault().
 class SteppingThread
@@ -62,6 +64,13 @@ public:
 
 	/// Null restores the CouplingForceLaw.
 	void setForceLaw(ForceLaw* law) noexcept { m_law = law ? law : &m_couplingLaw; }
+
+	/// Adds the hand of `other` to this loop, for sources that share a world which this thread owns. In each tick all hands are read and
+	/// pull their tools. Then the sources advance, this one first, and each hand gets its force. `other` has no loop of its own from now
+	/// on: its run() and start() are refused, and its stop() and requestStop() act on this loop, whose overruns, periods and costs are
+	/// those of all. Call it while neither loop runs; it allocates. Returns an empty text, or a sentence that says why it was refused: a
+	/// loop itself, one that runs, one with another period, or one that shares already.
+	const char* addHand(SteppingThread& other);
 
 	/// Runs ticks on the calling thread, up to `ticks` or until a stop; running() is true meanwhile. Returns false, with a refusal(), while
 	/// a loop runs. After the last tick the device keeps the last command until it expires, so that the next run() can continue. After a
@@ -76,7 +85,7 @@ public:
 	/// Ends the loop after the tick in progress, without waiting. Without a running loop it does nothing, so the next loop is not stopped.
 	/// Any thread and any signal handler may call it.
 	void requestStop() noexcept;
-	bool running() const noexcept { return m_loop.load(std::memory_order_acquire) != Loop::Idle; }
+	bool running() const noexcept { return owner().m_loop.load(std::memory_order_acquire) != Loop::Idle; }
 	/// A sentence that says why the last start() or run() was refused; empty if it was not.
 	const char* refusal() const noexcept { return m_refusal.load(std::memory_order_relaxed); }
 
@@ -116,9 +125,9 @@ public:
 	bool faulted() const noexcept { return m_limiter.faulted(); }
 	void clearFault() noexcept { m_limiter.clearFault(); }
 	/// How the system schedules the loop, in words.
-	const char* scheduling() const noexcept { return m_scheduling.load(std::memory_order_relaxed); }
+	const char* scheduling() const noexcept { return owner().m_scheduling.load(std::memory_order_relaxed); }
 	/// Whether the process's memory is locked, in words.
-	const char* memory() const noexcept { return m_memory.load(std::memory_order_relaxed); }
+	const char* memory() const noexcept { return owner().m_memory.load(std::memory_order_relaxed); }
 
 	// For a listener, or while no loop runs:
 	/// The last good sample.
@@ -137,14 +146,20 @@ private:
 		Running,
 		Stopping  ///< the loop ends after the tick in progress
 	};
+	/// The loop that ticks this hand.
+	const SteppingThread& owner() const noexcept { return m_owner ? *m_owner : *this; }
 	bool claim() noexcept;
 	void leave() noexcept;
 	void loop(std::int64_t ticks) noexcept;
 	void waitForTick() noexcept;
 	void tick() noexcept;
+	void beginTick() noexcept;
+	void endTick() noexcept;
 	bool readDevice(std::int64_t now) noexcept;
+	void prepareWorld();
 	std::int64_t computeWrench();
 	void advanceWorld();
+	void sendZeroAfterException() noexcept;
 	void send(std::int64_t computedAt) noexcept;
 	void sendZero(FaultCause cause, std::int64_t at) noexcept;
 	void report(FaultCause cause, bool latched) noexcept;
@@ -161,7 +176,11 @@ private:
 	CouplingForceLaw m_couplingLaw;
 	ForceLaw* m_law = &m_couplingLaw;
 
+	std::vector<SteppingThread*> m_hands;  // hands that were added
+	SteppingThread* m_owner = nullptr;     // the loop to which this hand was added; null: this one
+
 	DeviceState m_state;
+	DeviceState m_pulling;  // the sample with which the source was prepared
 	ToolStep m_step;
 	ist::Wrench m_wanted;
 	DeviceCommand m_sent;
@@ -172,7 +191,8 @@ private:
 	FaultCause m_monitorCause = FaultCause::None, m_latchedCause = FaultCause::None;
 	bool m_scheduled = false;
 	bool m_hasState = false, m_outage = false;
-	bool m_refuses = false;  // the device, the last command
+	bool m_isFresh = false, m_threw = false;  // of the tick in progress: there is a usable sample; a listener has thrown
+	bool m_refuses = false;                   // the device, the last command
 
 	std::thread m_thread;
 	std::atomic<std::thread::id> m_loopThread{};

@@ -86,7 +86,8 @@ struct SceneHook
 	};
 	Event event = Event::Collision;
 	Action action = Action::Count;
-	std::string file, place;  ///< file of a recording
+	std::optional<size_t> hand;  ///< the hand at whose events it acts; missing: at those of every hand
+	std::string file, place;     ///< file of a recording
 	ist::Vec3 force;
 	double damping = 0, angularDamping = 0, factor = 1;
 };
@@ -108,6 +109,26 @@ struct SceneCoupling
 	double softContact = 1;
 };
 
+/// A tool of sixteen bodies in the shape of the tracked hand (devicebridge::BulletHand).
+struct SceneHandParts
+{
+	int64_t spheres = 300;  ///< number of spheres per part
+	double friction = 1;    ///< friction coefficient of the skin
+};
+
+struct SceneHand
+{
+	std::string name = "hand", place;
+	std::string device;  ///< device address
+	std::string devicePlace;
+	size_t tool = 0;                      ///< index of the tool among the bodies; not with `parts`
+	std::optional<SceneHandParts> parts;  ///< present: the hand has no tool, but parts
+	std::optional<ist::Pose> X_BW;        ///< pose of the device's world; missing: its origin is at the first key frame
+	std::vector<SceneKeyFrame> path;
+	bool toolGravity = false;
+	SceneCoupling coupling;
+};
+
 struct Scene
 {
 	std::string file, name, about;
@@ -116,21 +137,23 @@ struct Scene
 	SceneTopology topology = SceneTopology::OneThread;
 	double worldRate = 60;
 	int64_t maxPairs = -1;
-	bool hasHand = false;  ///< true: the members up to `coupling`, and `tool`, are valid; demos need a hand, tests do not
-	std::string handPlace;
-	std::string device;  ///< device address
-	std::string devicePlace;
-	std::optional<ist::Pose> X_BW;  ///< pose of the device's world; missing: its origin is at the first key frame
-	std::vector<SceneKeyFrame> path;
-	bool toolGravity = false;
-	SceneCoupling coupling;
+	std::string handPlace;         ///< where a hand is missing, if there is none; demos need a hand, tests do not
+	std::vector<SceneHand> hands;  ///< hands with different names and tools
 	std::vector<SceneAsset> assets;
 	std::vector<SceneBody> bodies;
-	size_t tool = 0;  ///< index of the tool among the bodies
 	bool onlyPairs = false;
-	std::vector<std::pair<size_t, size_t>> pairs;
+	std::vector<std::pair<size_t, size_t>> pairs;      ///< pairs of bodies
+	std::vector<std::pair<size_t, size_t>> partPairs;  ///< a hand with parts, and a body
 	std::optional<ist::Box> region;
 	std::vector<SceneHook> hooks;
+
+	/// Whether a hand holds this body.
+	bool isTool(size_t body) const
+	{
+		for (const SceneHand& hand : hands)
+			if (!hand.parts && hand.tool == body) return true;
+		return false;
+	}
 };
 
 /// A field of a scene file, such as `bodies[0].asset`, and the value that it gets in place of the file's.

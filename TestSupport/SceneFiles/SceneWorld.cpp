@@ -184,7 +184,7 @@ const char* SceneWorld::nameOf(const void* object) const
 }
 
 Result<std::vector<SceneWorld::Body>> SceneWorld::addTo(
-	btISTWorld& world, const Scene& scene, bool withTool, const SceneBuildOptions& options)
+	btISTWorld& world, const Scene& scene, bool withTools, const SceneBuildOptions& options)
 {
 	const Result<std::vector<Asset>> assets = makeAssets(scene, options);
 	if (!assets) return assets.error();
@@ -195,7 +195,7 @@ Result<std::vector<SceneWorld::Body>> SceneWorld::addTo(
 		if (!body) return body.error();
 		bodies.push_back(std::move(body).value());
 	}
-	const auto inWorld = [&](size_t i) { return withTool || i != scene.tool; };
+	const auto inWorld = [&](size_t i) { return withTools || !scene.isTool(i); };
 	if (auto refused = world.setGravity(toBullet(scene.gravity))) return *refused;
 	for (size_t i = 0; i < bodies.size(); ++i)
 	{
@@ -213,10 +213,10 @@ Result<std::vector<SceneWorld::Body>> SceneWorld::addTo(
 	return bodies;
 }
 
-Result<std::unique_ptr<SceneWorld>> SceneWorld::make(const Scene& scene, bool withTool, const SceneBuildOptions& options)
+Result<std::unique_ptr<SceneWorld>> SceneWorld::make(const Scene& scene, bool withTools, const SceneBuildOptions& options)
 {
 	std::unique_ptr<SceneWorld> made(new SceneWorld);
-	Result<std::vector<Body>> bodies = addTo(made->m_world, scene, withTool, options);
+	Result<std::vector<Body>> bodies = addTo(made->m_world, scene, withTools, options);
 	if (!bodies) return bodies.error();
 	made->m_bodies = std::move(bodies).value();
 	return made;

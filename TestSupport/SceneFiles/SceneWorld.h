@@ -37,11 +37,11 @@ public:
 		btISTAttachment attachment;
 	};
 
-	/// Makes the world of a scene. `withTool`: the tool is a body of the world; otherwise it is left out.
-	static ist::Result<std::unique_ptr<SceneWorld>> make(const Scene& scene, bool withTool, const SceneBuildOptions& options);
+	/// Makes the world of a scene. `withTools`: the tools of the hands are bodies of the world; otherwise they are left out.
+	static ist::Result<std::unique_ptr<SceneWorld>> make(const Scene& scene, bool withTools, const SceneBuildOptions& options);
 	/// Adds the scene to an existing world, which receives the scene's gravity, pairs and region. The bodies belong to the caller, who
 	/// must remove them from the world. If this is refused, no body is in the world.
-	static ist::Result<std::vector<Body>> addTo(btISTWorld& world, const Scene& scene, bool withTool, const SceneBuildOptions& options);
+	static ist::Result<std::vector<Body>> addTo(btISTWorld& world, const Scene& scene, bool withTools, const SceneBuildOptions& options);
 	~SceneWorld();
 
 	btISTWorld& world() { return m_world; }

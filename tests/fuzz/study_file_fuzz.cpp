@@ -19,8 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 	require(std::isfinite(s.timeLimit) && s.timeLimit > 0 && std::isfinite(s.waitLimit) && s.waitLimit > 0, "times are limited");
 	require(s.sampleRate > 0 && s.sampleRate <= 1000, "a rate is positive");
 	require(s.name.find('/') == std::string::npos && !s.name.empty(), "results stay in their folder");
-	for (const scenes::StudyCondition& condition : s.conditions)
-		require(condition.scene.hasHand && condition.scene.tool < condition.scene.bodies.size(), "a scene has a hand with a tool");
+	for (const scenes::StudyCondition& condition : s.conditions) require(!condition.scene.hands.empty(), "a scene has a hand");
 	for (const scenes::StudyEvent* event : {&s.begin, &s.end})
 		require(
 			event->button >= 0 && event->button < 32 && event->bodies.size() <= scenes::StudyEvent::kMostBodies, "an event can be seen");

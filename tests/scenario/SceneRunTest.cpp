@@ -69,8 +69,8 @@ TEST(SceneRun, EveryTopologyHoldsTheBallWhereForcesBalance)
 		ASSERT_TRUE(outcome) << outcome.error().message;
 		const SceneOutcome& o = outcome.value();
 		EXPECT_TRUE(o.ok());
-		ASSERT_EQ(o.ticks.size(), 2000u);
-		const SceneTick& last = o.ticks.back();
+		ASSERT_EQ(o.hands[0].ticks.size(), 2000u);
+		const SceneTick& last = o.hands[0].ticks.back();
 		// The hand's own spring presses. On a half-space the pressure law is F = k V with k in series.
 		const double spring = kHandStiffness * (heightOf(last, from) - to);
 		EXPECT_GT(spring, 1) << topology;
@@ -79,7 +79,8 @@ TEST(SceneRun, EveryTopologyHoldsTheBallWhereForcesBalance)
 		ASSERT_EQ(o.counts.size(), 1u) << topology;
 		EXPECT_EQ(o.counts[0].body, "floor");
 		EXPECT_GE(o.counts[0].maxForce, 0.97 * spring) << topology;
-		const auto touching = std::count_if(o.ticks.begin(), o.ticks.end(), [](const SceneTick& t) { return t.contacts > 0; });
+		const auto touching = std::count_if(
+			o.hands[0].ticks.begin(), o.hands[0].ticks.end(), [](const SceneTick& t) { return t.contacts > 0; });
 		EXPECT_EQ(o.counts[0].ticks, static_cast<uint64_t>(touching)) << topology;
 		EXPECT_EQ(makeJson(o).find("{\"schema\":1,\"scene\":\"s\",\"ok\":true"), 0u);
 	}
@@ -92,8 +93,8 @@ TEST(SceneRun, ADeviceWithMotorsInAPlaneFeelsTheFloor)
 	text.replace(text.find("sim:sigma7"), 10, "sim:pantograph");
 	const Result<SceneOutcome> outcome = run(text);
 	ASSERT_TRUE(outcome) << outcome.error().message;
-	EXPECT_GT(outcome.value().ticks.back().wrench.force.y, 0.5);
-	EXPECT_EQ(outcome.value().ticks.back().wrench.force.z, 0);
+	EXPECT_GT(outcome.value().hands[0].ticks.back().wrench.force.y, 0.5);
+	EXPECT_EQ(outcome.value().hands[0].ticks.back().wrench.force.z, 0);
 }
 
 // Two bodies of a thousand spheres pressed together have many more pairs than this budget.
@@ -112,7 +113,7 @@ TEST(SceneRun, ABudgetOfPairsIsKeptInEveryTick)
 		EXPECT_TRUE(outcome) << outcome.error().message;
 		int64_t pairs = 0;
 		if (outcome)
-			for (const SceneTick& tick : outcome.value().ticks) pairs = std::max(pairs, tick.pairs);
+			for (const SceneTick& tick : outcome.value().hands[0].ticks) pairs = std::max(pairs, tick.pairs);
 		return pairs;
 	};
 	for (const char* topology : {"contact-in-tick", "contact-thread", "force-thread", "local-model"})
@@ -132,7 +133,7 @@ TEST(SceneRun, BodiesOutsideOfThePairsAreFeltWithOneThreadOnly)
 	{
 		const Result<SceneOutcome> outcome = run(scene(topology, 0.04, 0.012, R"("pairs": [])"));
 		ASSERT_TRUE(outcome) << outcome.error().message;
-		const double force = outcome.value().ticks.back().wrench.force.y;
+		const double force = outcome.value().hands[0].ticks.back().wrench.force.y;
 		if (std::string(topology) == "one-thread") EXPECT_GT(force, 1);
 		else EXPECT_NEAR(force, 0, 0.02);
 	}
@@ -144,7 +145,7 @@ TEST(SceneRun, HooksActInTheirOrder)
 	const auto last = [](const std::string& hooks) {
 		const Result<SceneOutcome> outcome = run(scene("one-thread", 0.5, 0.5, "\"hooks\": [" + hooks + "]"));
 		EXPECT_TRUE(outcome) << outcome.error().message;
-		return outcome.value().ticks.back();
+		return outcome.value().hands[0].ticks.back();
 	};
 	const std::string force = R"({"on": "haptic-tick", "do": "force", "force": [0.9, 0, -1.5]})";
 	const std::string half = R"({"on": "haptic-tick", "do": "scale", "factor": 0.5})";
@@ -163,11 +164,12 @@ TEST(SceneRun, TheDampingHookResistsMotion)
 	const Result<SceneOutcome> outcome = run(
 		scene("one-thread", 0.5, 0.44, R"("hooks": [{"on": "haptic-tick", "do": "damping", "damping": 20}])"));
 	ASSERT_TRUE(outcome) << outcome.error().message;
-	const SceneTick& moving = outcome.value().ticks[950];
-	const double speed = (outcome.value().ticks[960].hand.translation.y - outcome.value().ticks[940].hand.translation.y) / 0.02;
+	const SceneTick& moving = outcome.value().hands[0].ticks[950];
+	const double speed = (outcome.value().hands[0].ticks[960].hand.translation.y - outcome.value().hands[0].ticks[940].hand.translation.y) /
+		0.02;
 	EXPECT_NEAR(speed, -0.06, 0.006);
 	EXPECT_NEAR(moving.wrench.force.y, -20 * speed, 0.05 * 20 * 0.06);
-	EXPECT_NEAR(outcome.value().ticks.back().wrench.force.y, 0, 0.02);
+	EXPECT_NEAR(outcome.value().hands[0].ticks.back().wrench.force.y, 0, 0.02);
 }
 
 TEST(SceneRun, AStopHookEndsTheRun)
@@ -175,7 +177,7 @@ TEST(SceneRun, AStopHookEndsTheRun)
 	const Result<SceneOutcome> outcome = run(scene("contact-in-tick", 0.04, 0.012, R"("hooks": [{"on": "collision", "do": "stop"}])"));
 	ASSERT_TRUE(outcome) << outcome.error().message;
 	EXPECT_TRUE(outcome.value().stopped);
-	const std::vector<SceneTick>& ticks = outcome.value().ticks;
+	const std::vector<SceneTick>& ticks = outcome.value().hands[0].ticks;
 	EXPECT_EQ(std::count_if(ticks.begin(), ticks.end(), [](const SceneTick& t) { return t.contacts > 0; }), 1);
 	EXPECT_EQ(ticks.back().contacts, 1);
 }
@@ -217,7 +219,7 @@ TEST(SceneRun, ARecordingThatCannotBeWrittenLeavesTheOthersAndTheOutcome)
 		{"on": "transform", "do": "record", "file": "free.csv"}])"));
 	ASSERT_TRUE(outcome) << outcome.error().message;
 	EXPECT_FALSE(outcome.value().ok());
-	EXPECT_EQ(outcome.value().ticks.size(), 2000u);
+	EXPECT_EQ(outcome.value().hands[0].ticks.size(), 2000u);
 	EXPECT_EQ(
 		outcome.value().unwritten, std::vector<std::string>{(std::filesystem::path(folder) / "taken.csv").lexically_normal().string()});
 	EXPECT_TRUE(std::filesystem::exists(folder + "/free.csv"));
@@ -246,8 +248,8 @@ TEST(SceneRun, OnlyWatchedPairsAreFelt)
 		const bool watched = std::string(pairs).find("ball") != std::string::npos;
 		const Result<SceneOutcome> outcome = run(scene("contact-in-tick", 0.04, 0.012, pairs));
 		ASSERT_TRUE(outcome) << outcome.error().message;
-		EXPECT_EQ(outcome.value().ticks.back().contacts, watched ? 1 : 0);
-		EXPECT_EQ(outcome.value().ticks.back().volume > 0, watched);
+		EXPECT_EQ(outcome.value().hands[0].ticks.back().contacts, watched ? 1 : 0);
+		EXPECT_EQ(outcome.value().hands[0].ticks.back().volume > 0, watched);
 	}
 }
 
@@ -259,8 +261,8 @@ TEST(SceneRun, TheCouplingOfTheFileIsTheOneThatActs)
 	text.replace(text.find(tool), tool.size(), tool + R"("coupling": {"maxForce": 1.25},)");
 	const Result<SceneOutcome> outcome = run(text);
 	ASSERT_TRUE(outcome) << outcome.error().message;
-	EXPECT_NEAR(outcome.value().ticks.back().wrench.force.y, 1.25, 0.01);
-	EXPECT_LE(outcome.value().maxForce, 1.25 * 1.001);
+	EXPECT_NEAR(outcome.value().hands[0].ticks.back().wrench.force.y, 1.25, 0.01);
+	EXPECT_LE(outcome.value().hands[0].maxForce, 1.25 * 1.001);
 }
 
 // A tool with mass oscillates on the spring when the hand starts, and continues to do so. A tool without mass is always where the hand
@@ -276,7 +278,7 @@ TEST(SceneRun, AStaticCouplingDoesNotSwing)
 			const Result<SceneOutcome> outcome = run(text);
 			ASSERT_TRUE(outcome) << outcome.error().message;
 			double most = 0;
-			for (size_t i = 500; i < 900; ++i) most = std::max(most, norm(outcome.value().ticks[i].wrench.force));
+			for (size_t i = 500; i < 900; ++i) most = std::max(most, norm(outcome.value().hands[0].ticks[i].wrench.force));
 			if (isStatic)
 			{
 				EXPECT_LT(most, 1e-5) << topology;
@@ -304,8 +306,8 @@ TEST(SceneRun, WhatCannotBeMadeIsNamedWithItsLine)
 	expectStart(swap(whole, ball, R"("mesh": "no-such.obj")"), "s.json:2: assets[0]: ");
 	expectStart(swap(whole, ball, R"("ist": "no-such.ist")"), "s.json:2: assets[0]: ");
 	expectStart(swap(whole, "sim:sigma7", "sim:nothing"), "s.json:5: hand.device: No simulated device is called 'nothing'");
-	expectStart(
-		swap(whole, "sim:sigma7", "sim:sigma7?dof=3"), "s.json:5: hand.device: only a simulated device without options follows hand.path");
+	expectStart(swap(whole, "sim:sigma7", "sim:sigma7?dof=3"),
+		"s.json:5: hand.device: only a simulated device without options follows the path of its hand");
 	// Bullet could not rotate this asset correctly.
 	BuildOptions build;
 	build.maxSpheres = 60;
@@ -324,9 +326,9 @@ TEST(SceneRun, RunsInVirtualTimeAreAlike)
 	const std::string text = scene("contact-thread", 0.04, 0.012);
 	const Result<SceneOutcome> one = run(text), two = run(text);
 	ASSERT_TRUE(one && two);
-	for (size_t i = 0; i < one.value().ticks.size(); ++i)
+	for (size_t i = 0; i < one.value().hands[0].ticks.size(); ++i)
 	{
-		const SceneTick &a = one.value().ticks[i], &b = two.value().ticks[i];
+		const SceneTick &a = one.value().hands[0].ticks[i], &b = two.value().hands[0].ticks[i];
 		ASSERT_EQ(a.wrench.force, b.wrench.force) << i;
 		ASSERT_EQ(a.tool.translation, b.tool.translation) << i;
 		ASSERT_EQ(a.volume, b.volume) << i;
@@ -349,12 +351,12 @@ TEST(PaperFigures, EveryAnswerIsCountedAndAskedAgain)
 	const Result<std::vector<PaperScene>> figures = runPaperFigures(written(text), o);
 	ASSERT_TRUE(figures) << figures.error().message;
 	const PaperScene& s = figures.value().front();
-	ASSERT_EQ(s.bareQuery.size(), s.run.ticks.size());
-	std::uint64_t last = s.run.ticks.front().answer.number;
+	ASSERT_EQ(s.bareQuery.size(), s.hand().ticks.size());
+	std::uint64_t last = s.hand().ticks.front().answer.number;
 	bool touched = false;
-	for (size_t i = 1; i < s.run.ticks.size(); ++i)
+	for (size_t i = 1; i < s.hand().ticks.size(); ++i)
 	{
-		const SceneTick& tick = s.run.ticks[i];
+		const SceneTick& tick = s.hand().ticks[i];
 		ASSERT_GE(tick.answer.number, last) << i;
 		ASSERT_EQ(s.bareQuery[i] >= 0, tick.answer.number != last) << i;
 		touched = touched || tick.answer.pairs > 0;
@@ -363,9 +365,9 @@ TEST(PaperFigures, EveryAnswerIsCountedAndAskedAgain)
 	EXPECT_GT(last, 10u);
 	EXPECT_TRUE(touched);
 	// Each part must be at most its whole.
-	for (size_t i = 1; i < s.run.ticks.size(); ++i)
+	for (size_t i = 1; i < s.hand().ticks.size(); ++i)
 	{
-		const SceneTick& tick = s.run.ticks[i];
+		const SceneTick& tick = s.hand().ticks[i];
 		ASSERT_GT(tick.deviceMicroseconds, 0) << i;
 		ASSERT_LE(tick.deviceMicroseconds, tick.threadMicroseconds) << i;
 		if (tick.answer.number == 0 || tick.answer.threadMicroseconds == 0) continue;
@@ -373,8 +375,8 @@ TEST(PaperFigures, EveryAnswerIsCountedAndAskedAgain)
 		ASSERT_LE(tick.answer.queryMicroseconds, tick.answer.threadMicroseconds) << i;
 	}
 	const std::string csv = paperCsv(s);
-	EXPECT_EQ(static_cast<size_t>(std::count(csv.begin(), csv.end(), '\n')), s.run.ticks.size() + 1);
-	EXPECT_EQ(static_cast<size_t>(std::count(csv.begin(), csv.end(), ',')), 7 * (s.run.ticks.size() + 1));
+	EXPECT_EQ(static_cast<size_t>(std::count(csv.begin(), csv.end(), '\n')), s.hand().ticks.size() + 1);
+	EXPECT_EQ(static_cast<size_t>(std::count(csv.begin(), csv.end(), ',')), 7 * (s.hand().ticks.size() + 1));
 	EXPECT_NE(paperPage(figures.value()).text().find("Histogram of the period"), std::string::npos);
 
 	std::string moving = text;

@@ -356,8 +356,8 @@ TEST_F(StudyFiles, AnotherDeviceTakesThePlaceOfAllScenes)
 	write("study.json", studyOf(""));
 	const Result<Study> study = loadStudy(path("study.json"), "replay:" + path("hand.istdrec"));
 	ASSERT_TRUE(study) << study.error().message;
-	EXPECT_EQ(study.value().conditions.front().scene.device, "replay:" + path("hand.istdrec"));
-	EXPECT_TRUE(study.value().conditions.front().scene.path.empty());
+	EXPECT_EQ(study.value().conditions.front().scene.hands.front().device, "replay:" + path("hand.istdrec"));
+	EXPECT_TRUE(study.value().conditions.front().scene.hands.front().path.empty());
 }
 
 TEST(StudyExample, OneOfSixAnswersOfAHandThatAlwaysSaysBallIsRight)

@@ -55,17 +55,17 @@ bool isNewAnswer(const std::vector<SceneTick>& ticks, size_t i) { return i > 0 &
 /// Repeats the query alone, without law, model, thread or world.
 std::vector<double> askAgain(SceneWorld& world, const PaperScene& scene)
 {
-	const SceneWorld::Body& tool = world.body(scene.run.scene.tool);
+	const SceneWorld::Body& tool = world.body(scene.run.scene.hands.front().tool);
 	QueryWorkspace workspace;
 	const auto ask = [&](const SceneTick& tick) {
 		for (size_t i = 0; i < world.size(); ++i)
 		{
 			const SceneWorld::Body& body = world.body(i);
-			if (i == scene.run.scene.tool || !body.tree) continue;
+			if (i == scene.run.scene.hands.front().tool || !body.tree) continue;
 			queryOverlap(*tool.tree, *body.tree, inverse(tick.tool) * poseOf(*body.body), workspace);
 		}
 	};
-	const std::vector<SceneTick>& ticks = scene.run.ticks;
+	const std::vector<SceneTick>& ticks = scene.hand().ticks;
 	for (size_t i = 0; i < ticks.size(); i += 50) ask(ticks[i]);
 	std::vector<double> times(ticks.size(), -1);
 	for (size_t i = 0; i < ticks.size(); ++i)
@@ -98,11 +98,11 @@ template <class Count> ChartSeries rateOf(const std::string& name, const std::ve
 
 ChartSeries forceRate(const PaperScene& s)
 {
-	return rateOf("force thread", s.run.ticks, [](size_t) { return 1.0; });
+	return rateOf("force thread", s.hand().ticks, [](size_t) { return 1.0; });
 }
 ChartSeries contactRate(const PaperScene& s)
 {
-	const std::vector<SceneTick>& ticks = s.run.ticks;
+	const std::vector<SceneTick>& ticks = s.hand().ticks;
 	return rateOf(
 		"contact thread", ticks, [&](size_t i) { return static_cast<double>(ticks[i].answer.number - ticks[i - 1].answer.number); });
 }
@@ -111,7 +111,7 @@ double leastOf(const ChartSeries& series) { return series.y.empty() ? 0 : *std::
 
 void summarise(PaperScene& scene)
 {
-	const std::vector<SceneTick>& ticks = scene.run.ticks;
+	const std::vector<SceneTick>& ticks = scene.hand().ticks;
 	std::vector<double> periods, used, inDevice, answers, asked, bare, pairs;
 	for (size_t i = 1; i < ticks.size(); ++i)
 	{
@@ -146,7 +146,7 @@ ChartSeries histogram(const PaperScene& scene)
 {
 	constexpr double kBin = 0.02, kEnd = 2;  // [ms]
 	std::vector<double> bins(static_cast<size_t>(kEnd / kBin) + 1);
-	const std::vector<SceneTick>& ticks = scene.run.ticks;
+	const std::vector<SceneTick>& ticks = scene.hand().ticks;
 	for (size_t i = 1; i < ticks.size(); ++i) bins[std::min(bins.size() - 1, static_cast<size_t>(1e3 * ticks[i].period / kBin))] += 1;
 	ChartSeries series{scene.run.scene.name, {}, {}, {}, false};
 	for (size_t b = 0; b < bins.size(); ++b)
@@ -162,9 +162,9 @@ ChartSeries histogram(const PaperScene& scene)
 Trace answersOf(const PaperScene& scene, const std::function<double(size_t)>& value)
 {
 	auto places = std::make_shared<std::vector<size_t>>();
-	for (size_t i = 1; i < scene.run.ticks.size(); ++i)
-		if (isNewAnswer(scene.run.ticks, i)) places->push_back(i);
-	const std::vector<SceneTick>& ticks = scene.run.ticks;
+	for (size_t i = 1; i < scene.hand().ticks.size(); ++i)
+		if (isNewAnswer(scene.hand().ticks, i)) places->push_back(i);
+	const std::vector<SceneTick>& ticks = scene.hand().ticks;
 	return {places->size(), [places, &ticks](size_t i) { return ticks[(*places)[i]].time; },
 		[places, value](size_t i) { return value((*places)[i]); }};
 }
@@ -173,18 +173,18 @@ std::string number(double value, int digits = 3) { return formatNumber(value, di
 
 void addScene(HtmlReport& report, const PaperScene& s)
 {
-	const std::vector<SceneTick>& ticks = s.run.ticks;
+	const std::vector<SceneTick>& ticks = s.hand().ticks;
 	report.heading(s.run.scene.name);
 	report.paragraph(s.run.scene.about);
 	report.chart({"Rate of the force thread and of the contact thread", "time [s]", "rate [Hz]", {forceRate(s), contactRate(s)}});
 	report.chart({"Intersecting pairs", "time [s]", "pairs",
-		{envelope("pairs", traceOf(s.run, [](const SceneTick& t) { return static_cast<double>(t.answer.pairs); }))}});
+		{envelope("pairs", traceOf(s.hand(), [](const SceneTick& t) { return static_cast<double>(t.answer.pairs); }))}});
 	report.chart({"Processor time", "time [s]", "time [\xC2\xB5s]",
-		{runningMean("force thread, a tick", traceOf(s.run, [](const SceneTick& t) { return t.threadMicroseconds; })),
+		{runningMean("force thread, a tick", traceOf(s.hand(), [](const SceneTick& t) { return t.threadMicroseconds; })),
 			runningMean("contact thread, an answer", answersOf(s, [&ticks](size_t i) { return ticks[i].answer.threadMicroseconds; })),
 			runningMean("the query alone", answersOf(s, [&s](size_t i) { return s.bareQuery[i]; }))}});
 	report.chart({"Force on the hand", "time [s]", "force [N]",
-		{envelope("size", traceOf(s.run, [](const SceneTick& t) { return norm(t.wrench.force); }))}});
+		{envelope("size", traceOf(s.hand(), [](const SceneTick& t) { return norm(t.wrench.force); }))}});
 }
 }  // namespace
 
@@ -196,14 +196,15 @@ Result<std::vector<PaperScene>> runPaperFigures(const std::vector<std::string>& 
 		const Result<Scene> scene = loadScene(file);
 		if (!scene) return scene.error();
 		if (scene.value().topology != SceneTopology::ContactThread) return Error{file + ": topology: these figures want contact-thread"};
+		if (scene.value().hands.size() != 1) return Error{file + ": hand: these figures want one hand"};
 		for (size_t i = 0; i < scene.value().bodies.size(); ++i)
-			if (i != scene.value().tool && !scene.value().bodies[i].fixed)
+			if (!scene.value().isTool(i) && !scene.value().bodies[i].fixed)
 				return Error{scene.value().bodies[i].place + ": these figures want all bodies but the tool fixed"};
 		std::unique_ptr<SceneWorld> world;
 		Result<SceneOutcome> run = runScene(scene.value(), options, &world);
 		if (!run) return run.error();
 		if (run.value().interrupted) return Error{"the run was stopped", true};
-		if (run.value().ticks.size() < 2) return Error{file + ": the run ended before its second tick"};
+		if (run.value().hands.front().ticks.size() < 2) return Error{file + ": the run ended before its second tick"};
 		PaperScene& added = scenes.emplace_back();
 		added.run = std::move(run).value();
 		added.bareQuery = askAgain(*world, added);
@@ -221,7 +222,7 @@ std::vector<std::vector<std::string>> paperRows(const std::vector<PaperScene>& s
 		cells.push_back(unit);
 		rows.push_back(std::move(cells));
 	};
-	row("Ticks", "", [](const PaperScene& s) { return std::to_string(s.run.ticks.size()); });
+	row("Ticks", "", [](const PaperScene& s) { return std::to_string(s.hand().ticks.size()); });
 	row("Intersecting pairs in contact, median", "", [](const PaperScene& s) { return number(s.touchingPairs.p50, 6); });
 	row("Intersecting pairs in contact, most", "", [](const PaperScene& s) { return number(s.touchingPairs.max, 6); });
 	row("Rate of the force thread, mean", "Hz", [](const PaperScene& s) { return number(s.forceRate, 4); });
@@ -244,7 +245,7 @@ std::vector<std::vector<std::string>> paperRows(const std::vector<PaperScene>& s
 		[](const PaperScene& s) { return number(100 * s.overhead); });
 	row("of this, waking two threads that do nothing", "%", [](const PaperScene& s) { return number(100 * s.waking); });
 	row("The same over the query asked again in one go", "%", [](const PaperScene& s) { return number(100 * s.overheadWarm); });
-	row("Largest force on the hand", "N", [](const PaperScene& s) { return number(s.run.maxForce); });
+	row("Largest force on the hand", "N", [](const PaperScene& s) { return number(s.hand().maxForce); });
 	return rows;
 }
 
@@ -264,7 +265,8 @@ HtmlReport paperPage(const std::vector<PaperScene>& scenes)
 		"that does "
 		"nothing else. The query was also asked again afterwards, at the recorded poses in one go, when its data is "
 		"warm in the caches.");
-	if (!scenes.empty()) report.paragraph("Scheduling: " + scenes.front().run.scheduling + ". Memory: " + scenes.front().run.memory + ".");
+	if (!scenes.empty())
+		report.paragraph("Scheduling: " + scenes.front().hand().scheduling + ". Memory: " + scenes.front().hand().memory + ".");
 	std::vector<std::string> head = {"Quantity"};
 	Chart periods{"Histogram of the period of the force thread, bins of 20 \xC2\xB5s; the last one holds all longer ones", "period [ms]",
 		"share of ticks [%]", {}};
@@ -291,13 +293,13 @@ std::string paperJson(const std::vector<PaperScene>& scenes)
 	for (const PaperScene& s : scenes)
 	{
 		if (!s.run.ok()) json["ok"] = false;
-		json["scenes"].append({{"scene", s.run.scene.name}, {"ok", s.run.ok()}, {"ticks", s.run.ticks.size()},
+		json["scenes"].append({{"scene", s.run.scene.name}, {"ok", s.run.ok()}, {"ticks", s.hand().ticks.size()},
 			{"force_rate_hz", s.forceRate}, {"contact_rate_hz", s.contactRate}, {"slowest_force_rate_hz", s.slowestForceRate},
 			{"slowest_contact_rate_hz", s.slowestContactRate}, {"period_s", spread(s.period, 1)}, {"force_thread_us", spread(s.tick, 1)},
 			{"device_us", spread(s.device, 1)}, {"asked_us", spread(s.asked, 1)}, {"contact_thread_us", spread(s.answer, 1)},
 			{"query_us", spread(s.query, 1)}, {"pairs", spread(s.touchingPairs, 1)}, {"overhead_share_of_tick", s.overhead},
-			{"overhead_share_of_tick_warm", s.overheadWarm}, {"waking_share_of_tick", s.waking}, {"max_force_n", s.run.maxForce},
-			{"scheduling", s.run.scheduling}});
+			{"overhead_share_of_tick_warm", s.overheadWarm}, {"waking_share_of_tick", s.waking}, {"max_force_n", s.hand().maxForce},
+			{"scheduling", s.hand().scheduling}});
 	}
 	return json.dump();
 }
@@ -305,7 +307,7 @@ std::string paperJson(const std::vector<PaperScene>& scenes)
 std::string paperCsv(const PaperScene& scene)
 {
 	std::string text = "time_s,period_s,force_thread_us,pairs,answer,contact_thread_us,query_us,force_n\n";
-	const std::vector<SceneTick>& ticks = scene.run.ticks;
+	const std::vector<SceneTick>& ticks = scene.hand().ticks;
 	for (size_t i = 0; i < ticks.size(); ++i)
 	{
 		const SceneTick& t = ticks[i];

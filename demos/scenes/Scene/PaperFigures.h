@@ -15,6 +15,7 @@ namespace scenes
 struct PaperScene
 {
 	SceneOutcome run;
+	const SceneHandRun& hand() const { return run.hands.front(); }
 	/// Time of the query alone, repeated after the run at the pose of each tick that brought a new answer [us of processor time].
 	/// Negative: no new answer.
 	std::vector<double> bareQuery;

@@ -20,89 +20,130 @@ constexpr const char* kToolHeader =
 	",tool_x,tool_y,tool_z,tool_qx,tool_qy,tool_qz,tool_qw,force_x,force_y,force_z,torque_x,torque_y,torque_z";
 }  // namespace
 
-SceneHooks::SceneHooks(
-	const Scene& scene, const SceneWorld& world, const Pose& X_BW, SteppingThread& thread, std::int64_t begun, size_t ticks)
-	: m_world(world),
-	  m_X_BW(X_BW),
-	  m_X_PM(inverse(world.body(scene.tool).X_MP)),
-	  m_thread(thread),
+SceneHooks::SceneHooks(const Scene& scene, const SceneWorld& world, std::list<PlayedHand>& hands, std::int64_t begun, size_t ticks)
+	: m_scene(scene),
+	  m_world(world),
 	  m_begun(begun)
 {
-	m_faults.reserve(kMostFaults);
-	for (const SceneBody& body : scene.bodies) m_counts.push_back({body.name, 0, 0, 0});
-	for (const SceneHook& hook : scene.hooks) tie(hook, ticks);
+	size_t number = 0;
+	for (PlayedHand& hand : hands)
+	{
+		HandEvents& events = m_hands.emplace_back();
+		events.hand = &hand;
+		if (!hand.parts) events.X_PM = inverse(world.body(hand.scene->tool).X_MP);
+		events.faults.reserve(kMostFaults);
+		addCounters(events, hands);
+		for (const SceneHook& hook : scene.hooks)
+			if (!hook.hand || *hook.hand == number) tie(events, hook, ticks);
+		++number;
+	}
 }
 
-void SceneHooks::tie(const SceneHook& hook, size_t ticks)
+void SceneHooks::tie(HandEvents& events, const SceneHook& hook, size_t ticks)
 {
 	using Action = SceneHook::Action;
+	using Event = SceneHook::Event;
+	SteppingThread& thread = *events.hand->thread;
+	const auto stopAt = [this](const auto&) { stop(); };
+	switch (hook.action)
+	{
+	case Action::Record: return tieRecording(events, hook, ticks);
+	case Action::Count: thread.onCollision.addDelegate([&events](const ToolContact& contact) { count(events, contact); }); return;
+	case Action::Force:
+	case Action::Damping:
+	case Action::Scale: return tieToTick(events, hook);
+	case Action::Log:
+		thread.onFault.addDelegate([&events](const Fault& fault) {
+			if (events.faults.size() < kMostFaults) events.faults.push_back(fault);
+			else ++events.moreFaults;
+		});
+		return;
+	case Action::Stop:
+		if (hook.event == Event::Fault) thread.onFault.addDelegate(stopAt);
+		else thread.onCollision.addDelegate(stopAt);
+		return;
+	}
+}
+
+void SceneHooks::tieToTick(HandEvents& events, const SceneHook& hook)
+{
+	using Action = SceneHook::Action;
+	SteppingThread& thread = *events.hand->thread;
 	const SceneHook h = hook;
-	if (h.action == Action::Count) m_thread.onCollision.addDelegate([this](const ToolContact& contact) { count(contact); });
-	if (h.action == Action::Force) m_thread.onHapticTick.addDelegate([h](const DeviceState&, Wrench& wrench) { wrench.force += h.force; });
-	if (h.action == Action::Scale)
-		m_thread.onHapticTick.addDelegate([h](const DeviceState&, Wrench& wrench) { wrench = h.factor * wrench; });
+	if (h.action == Action::Force) thread.onHapticTick.addDelegate([h](const DeviceState&, Wrench& wrench) { wrench.force += h.force; });
+	if (h.action == Action::Scale) thread.onHapticTick.addDelegate([h](const DeviceState&, Wrench& wrench) { wrench = h.factor * wrench; });
 	if (h.action == Action::Damping)
-		m_thread.onHapticTick.addDelegate([h](const DeviceState& state, Wrench& wrench) {
+		thread.onHapticTick.addDelegate([h](const DeviceState& state, Wrench& wrench) {
 			wrench.force -= h.damping * state.twist.linear;
 			wrench.torque -= h.angularDamping * state.twist.angular;
 		});
-	if (h.action == Action::Log)
-		m_thread.onFault.addDelegate([this](const Fault& fault) {
-			if (m_faults.size() < kMostFaults) m_faults.push_back(fault);
-			else ++m_moreFaults;
-		});
-	if (h.action == Action::Stop && h.event == SceneHook::Event::Fault) m_thread.onFault.addDelegate([this](const Fault&) { stop(); });
-	if (h.action == Action::Stop && h.event == SceneHook::Event::Collision)
-		m_thread.onCollision.addDelegate([this](const ToolContact&) { stop(); });
-	if (h.action != Action::Record) return;
-	m_recordings.push_back(std::make_unique<Recording>());
-	Recording& into = *m_recordings.back();
-	into.file = h.file;
-	into.whole = h.event == SceneHook::Event::HapticTick;
+}
+
+void SceneHooks::tieRecording(HandEvents& events, const SceneHook& hook, size_t ticks)
+{
+	Recording& into = events.recordings.emplace_back();
+	into.hook = &hook;
 	into.rows.reserve(ticks);
-	if (!into.whole) m_thread.onTransform.addDelegate([this, &into](const DeviceState& state) { record(into, state); });
-	else
-		m_thread.onHapticTick.addDelegate([this, &into](const DeviceState& state, const Wrench& wrench) {
-			if (record(into, state)) into.rows.back().wrench = wrench;
-		});
+	SteppingThread& thread = *events.hand->thread;
+	const auto record = [&into, &thread](const DeviceState& state, const Wrench& wrench) {
+		if (into.rows.size() == into.rows.capacity()) return;
+		into.rows.push_back({1e-9 * static_cast<double>(state.sampledAt), state.X_WH, thread.step().tool.X_WT, wrench});
+	};
+	if (hook.event == SceneHook::Event::Transform)
+		thread.onTransform.addDelegate([record](const DeviceState& state) { record(state, {}); });
+	else thread.onHapticTick.addDelegate(record);
 }
 
 void SceneHooks::stop()
 {
 	m_stop.store(true, std::memory_order_relaxed);
-	m_thread.requestStop();
+	for (HandEvents& events : m_hands) events.hand->thread->requestStop();
 }
 
-void SceneHooks::count(const ToolContact& contact)
+void SceneHooks::addCounters(HandEvents& events, const std::list<PlayedHand>& hands) const
 {
-	const char* name = m_world.nameOf(contact.other);
-	for (SceneContactCount& c : m_counts)
+	const std::string& name = events.hand->scene->name;
+	for (size_t i = 0; i < m_world.size(); ++i)
+		events.counters.push_back({m_world.body(i).body.get(), nullptr, {name, m_world.body(i).name, 0, 0, 0}});
+	for (const PlayedHand& other : hands)
+		if (other.parts && &other != events.hand)
+			events.counters.push_back({nullptr, other.parts.get(), {name, other.scene->name, 0, 0, 0}});
+}
+
+void SceneHooks::count(HandEvents& events, const ToolContact& contact)
+{
+	const auto* object = static_cast<const btCollisionObject*>(contact.other);
+	for (Counter& c : events.counters)
 	{
-		if (c.body != name) continue;
-		++c.ticks;
-		c.maxVolume = std::max(c.maxVolume, contact.volume);
-		c.maxForce = std::max(c.maxForce, norm(contact.onTool.force));
+		if (c.parts ? c.parts->partOf(object) < 0 : c.body != object) continue;
+		++c.sum.ticks;
+		c.sum.maxVolume = std::max(c.sum.maxVolume, contact.volume);
+		c.sum.maxForce = std::max(c.sum.maxForce, norm(contact.onTool.force));
 	}
 }
 
-bool SceneHooks::record(Recording& into, const DeviceState& state)
+/// The rows of all hands, in the order of their times.
+std::string SceneHooks::textOf(const SceneHook& hook) const
 {
-	if (into.rows.size() == into.rows.capacity()) return false;
-	into.rows.push_back({1e-9 * static_cast<double>(state.sampledAt), state.X_WH, m_thread.step().tool.X_WT, {}});
-	return true;
-}
-
-std::string SceneHooks::textOf(const Recording& recording) const
-{
-	std::string text = kHandHeader;
-	text += recording.whole ? kToolHeader : "";
+	const bool whole = hook.event == SceneHook::Event::HapticTick, named = m_scene.hands.size() > 1;
+	std::vector<std::pair<const HandEvents*, const Row*>> rows;
+	for (const HandEvents& events : m_hands)
+		for (const Recording& recording : events.recordings)
+			if (recording.hook == &hook)
+				for (const Row& row : recording.rows) rows.push_back({&events, &row});
+	std::stable_sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.second->time < b.second->time; });
+	std::string text = named ? "hand," : "";
+	text += kHandHeader;
+	text += whole ? kToolHeader : "";
 	text += "\n";
-	for (const Row& row : recording.rows)
+	for (const auto& [events, row] : rows)
 	{
-		text += formatNumber(row.time - recording.rows.front().time, 9) + csvPose(row.hand);
-		const Wrench& w = row.wrench;
-		if (recording.whole)
-			text += csvPose(m_X_BW * row.tool * m_X_PM) + csvCells({w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z});
+		if (named) text += events->hand->scene->name + ",";
+		text += formatNumber(row->time - rows.front().second->time, 9) + csvPose(row->hand);
+		const Wrench& w = row->wrench;
+		if (whole)
+			text += csvPose(events->hand->X_BW * row->tool * events->X_PM) +
+				csvCells({w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z});
 		text += "\n";
 	}
 	return text;
@@ -110,16 +151,20 @@ std::string SceneHooks::textOf(const Recording& recording) const
 
 void SceneHooks::finish(SceneOutcome& outcome)
 {
-	for (const SceneContactCount& c : m_counts)
-		if (c.ticks > 0) outcome.counts.push_back(c);
-	for (const Fault& fault : m_faults)
+	for (const HandEvents& events : m_hands)
 	{
-		char at[40];
-		std::snprintf(at, sizeof at, " at %.3f s", 1e-9 * static_cast<double>(fault.at - m_begun));
-		outcome.faults.push_back(describe(fault.cause) + std::string(at));
+		const std::string hand = m_scene.hands.size() > 1 ? events.hand->scene->name + ": " : "";
+		for (const Counter& c : events.counters)
+			if (c.sum.ticks > 0) outcome.counts.push_back(c.sum);
+		for (const Fault& fault : events.faults)
+		{
+			char at[40];
+			std::snprintf(at, sizeof at, " at %.3f s", 1e-9 * static_cast<double>(fault.at - m_begun));
+			outcome.faults.push_back(hand + describe(fault.cause) + std::string(at));
+		}
+		if (events.moreFaults > 0) outcome.faults.push_back(hand + "and " + std::to_string(events.moreFaults) + " more");
 	}
-	if (m_moreFaults > 0) outcome.faults.push_back("and " + std::to_string(m_moreFaults) + " more");
-	for (const auto& recording : m_recordings)
-		if (!writeTextFile(recording->file, textOf(*recording))) outcome.unwritten.push_back(recording->file);
+	for (const SceneHook& hook : m_scene.hooks)
+		if (hook.action == SceneHook::Action::Record && !writeTextFile(hook.file, textOf(hook))) outcome.unwritten.push_back(hook.file);
 }
 }  // namespace scenes

@@ -2,18 +2,20 @@
 #pragma once
 
 #include "DeviceBridge/Loop/SteppingThread.h"
-#include "demos/scenes/Scene/SceneRun.h"
+#include "demos/scenes/Scene/PlayedHand.h"
+
+#include <list>
 
 namespace scenes
 {
-/// The hooks of a scene file, connected to a stepping thread. All memory is allocated before the first tick.
+/// The hooks of a scene file, connected to the loops of its hands. All memory is allocated before the first tick. Each hand has its own
+/// counters and rows, because each may tick on a thread of its own.
 class SceneHooks
 {
 public:
-	/// `X_BW` is the pose of the device's world, `begun` the start of the run on the clock of `thread`, and `ticks` the capacity of a
-	/// recording.
-	SceneHooks(const Scene& scene, const SceneWorld& world, const ist::Pose& X_BW, devicebridge::SteppingThread& thread, std::int64_t begun,
-		size_t ticks);
+	/// `begun` is the start of the run on the clock of the loops, and `ticks` the capacity of a recording. The arguments must outlive this
+	/// object.
+	SceneHooks(const Scene& scene, const SceneWorld& world, std::list<PlayedHand>& hands, std::int64_t begun, size_t ticks);
 	SceneHooks(const SceneHooks&) = delete;
 	SceneHooks& operator=(const SceneHooks&) = delete;
 
@@ -33,25 +35,39 @@ private:
 	};
 	struct Recording
 	{
-		std::string file;
-		bool whole = false;  // true: also tool and wrench, which are not known yet when the hand has a new pose
+		const SceneHook* hook;
 		std::vector<Row> rows;
+	};
+	/// Contacts with a body, or with the parts of another tracked hand.
+	struct Counter
+	{
+		const void* body;  // null: `parts`
+		const devicebridge::BulletHand* parts;
+		SceneContactCount sum;
+	};
+	/// What happened to one hand.
+	struct HandEvents
+	{
+		PlayedHand* hand;
+		ist::Pose X_PM;  // pose of the tool's mesh frame
+		std::vector<Counter> counters;
+		std::list<Recording> recordings;
+		std::vector<devicebridge::Fault> faults;
+		std::uint64_t moreFaults = 0;
 	};
 	static constexpr size_t kMostFaults = 64;
 
-	void tie(const SceneHook& hook, size_t ticks);
-	void count(const devicebridge::ToolContact& contact);
-	/// Returns false when the recording is full.
-	bool record(Recording& into, const devicebridge::DeviceState& state);
-	std::string textOf(const Recording& recording) const;
+	void tie(HandEvents& events, const SceneHook& hook, size_t ticks);
+	void tieToTick(HandEvents& events, const SceneHook& hook);
+	void tieRecording(HandEvents& events, const SceneHook& hook, size_t ticks);
+	void addCounters(HandEvents& events, const std::list<PlayedHand>& hands) const;
+	static void count(HandEvents& events, const devicebridge::ToolContact& contact);
+	std::string textOf(const SceneHook& hook) const;
+
+	const Scene& m_scene;
 	const SceneWorld& m_world;
-	ist::Pose m_X_BW, m_X_PM;  // pose of the device's world; pose of the tool's mesh frame
-	devicebridge::SteppingThread& m_thread;
 	std::int64_t m_begun;
-	std::vector<SceneContactCount> m_counts;
-	std::vector<std::unique_ptr<Recording>> m_recordings;
-	std::vector<devicebridge::Fault> m_faults;
-	std::uint64_t m_moreFaults = 0;
+	std::list<HandEvents> m_hands;
 	std::atomic<bool> m_stop{false};
 };
 }  // namespace scenes

@@ -98,7 +98,13 @@ private:
 		f.finish();
 		if (m_problem) return;
 		// A study has its own time limits.
-		if (!m_device.empty()) settings.insert(settings.end(), {{"hand.device", m_device}, {"hand.path", Json::list()}, {"duration", 1}});
+		if (!m_device.empty())
+		{
+			const Result<JsonSource> file = JsonSource::load(condition.sceneFile);
+			const bool several = file && file.value().root().contains("hands");
+			const std::string hand = several ? "hands[0]" : "hand";
+			settings.insert(settings.end(), {{hand + ".device", m_device}, {hand + ".path", Json::list()}, {"duration", 1}});
+		}
 		const Result<Scene> scene = loadScene(condition.sceneFile, settings);
 		if (!scene) return f.refuse("", scene.error().message);
 		condition.scene = scene.value();
@@ -110,7 +116,7 @@ private:
 	/// Refuses a scene in which the study could not be run.
 	void checkScene(JsonFields& f, const StudyCondition& condition)
 	{
-		if (!condition.scene.hasHand) f.refuse("scene", condition.sceneFile + " has no hand");
+		if (condition.scene.hands.empty()) f.refuse("scene", condition.sceneFile + " has no hand");
 		std::vector<std::string> touched = m_study.begin.bodies;
 		touched.insert(touched.end(), m_study.end.bodies.begin(), m_study.end.bodies.end());
 		if (!condition.answer.empty()) touched.push_back(condition.answer);

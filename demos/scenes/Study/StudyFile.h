@@ -45,7 +45,7 @@ struct Study
 };
 
 /// Reads a study and all its scenes. Each error is refused with file name, line and field. A `device` is the address that all scenes get
-/// in place of their own; it moves by itself, and their paths are left out. File names in a text are relative to `folder`.
+/// in place of that of their first hand; it moves by itself, and the path is left out. File names in a text are relative to `folder`.
 ist::Result<Study> parseStudy(const std::string& name, const std::string& text, const std::string& folder, const std::string& device = {});
 ist::Result<Study> loadStudy(const std::string& path, const std::string& device = {});
 }  // namespace scenes

@@ -18,9 +18,9 @@ namespace
 constexpr const char* kTrialsHead =
 	"study,version,seed,participant,block,trial,condition,scene,device,wait_s,duration_s,ended_by,right,mean_force_n,max_force_n,"
 	"hand_path_m,contact_s,faulted,device_errors,overruns\n";
-constexpr const char* kSamplesHead =
-	"participant,trial,time_s,hand_x,hand_y,hand_z,hand_qx,hand_qy,hand_qz,hand_qw,tool_x,tool_y,tool_z,tool_qx,tool_qy,tool_qz,tool_qw,"
-	"force_x,force_y,force_z,torque_x,torque_y,torque_z,overlap_m3,contacts\n";
+constexpr const char* kSamplesHead = "participant,trial,hand,time_s,hand_x,hand_y,hand_z,hand_qx,hand_qy,hand_qz,hand_qw,tool_x,tool_y,"
+									 "tool_z,tool_qx,tool_qy,tool_qz,tool_qw,"
+									 "force_x,force_y,force_z,torque_x,torque_y,torque_z,overlap_m3,contacts\n";
 
 std::optional<Error> write(const std::string& path, const std::string& text)
 {
@@ -62,27 +62,32 @@ std::string StudyResults::trialRow(const StudyTrial& t) const
 		csvCells({t.meanForce, t.maxForce, t.path, t.contact}) + whole(int(t.faulted)) + whole(t.deviceErrors) + whole(t.overruns) + "\n";
 }
 
-void StudyResults::addSamples(const StudyTrial& trial, const TrialWatch& watch, const std::vector<SceneTick>& ticks, const Pose& X_PM)
+void StudyResults::addSamples(const StudyTrial& trial, const SceneHandRun& hand, double begin, double end, const Pose& X_PM)
 {
-	if (!watch.begun()) return;
-	const auto begin = static_cast<size_t>(watch.beginTick());
-	const size_t end = watch.ended() ? static_cast<size_t>(watch.endTick()) : ticks.size() - 1;
 	const auto every = static_cast<size_t>(std::lround(1000 / m_study.sampleRate));
-	for (size_t i = begin; i <= end && i < ticks.size(); i += every)
+	size_t ticks = 0;
+	for (const SceneTick& tick : hand.ticks)
 	{
-		const SceneTick& tick = ticks[i];
+		if (tick.time < begin || tick.time > end || ticks++ % every != 0) continue;
 		const Wrench& w = tick.wrench;
-		m_samples += std::to_string(m_options.participant) + "," + std::to_string(trial.number) +
-			csvCells({tick.time - ticks[begin].time}) + csvPose(tick.hand) + csvPose(tick.tool * X_PM) +
+		m_samples += std::to_string(m_options.participant) + "," + std::to_string(trial.number) + "," + csvText(hand.name) +
+			csvCells({tick.time - begin}) + csvPose(tick.hand) + csvPose(tick.tool * X_PM) +
 			csvCells({w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z, tick.volume}) + "," +
 			std::to_string(tick.contacts) + "\n";
 	}
 }
 
-std::optional<Error> StudyResults::add(const StudyTrial& trial, const TrialWatch& watch, const SceneOutcome& run, const Pose& X_MP)
+std::optional<Error> StudyResults::add(const StudyTrial& trial, const TrialWatch& watch, const SceneOutcome& run, const SceneWorld& world)
 {
 	m_trials += trialRow(trial);
-	addSamples(trial, watch, run.ticks, inverse(X_MP));
+	const std::vector<SceneTick>& first = run.hands.front().ticks;
+	for (size_t i = 0; watch.begun() && i < run.hands.size(); ++i)
+	{
+		const SceneHand& hand = run.scene.hands[i];
+		const size_t end = watch.ended() ? static_cast<size_t>(watch.endTick()) : first.size() - 1;
+		addSamples(trial, run.hands[i], first[static_cast<size_t>(watch.beginTick())].time, first[end].time,
+			hand.parts ? Pose() : inverse(world.body(hand.tool).X_MP));
+	}
 	if (auto refused = write(m_trialsFile + kUnfinished, m_trials)) return refused;
 	return write(m_samplesFile + kUnfinished, m_samples);
 }

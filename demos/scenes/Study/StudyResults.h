@@ -16,9 +16,8 @@ public:
 
 	/// Why the files cannot be written, or would replace others.
 	std::optional<ist::Error> obstacle() const;
-	/// Adds a trial and its samples, and writes all finished trials to the unfinished files. `X_MP` is the pose of the tool's frame in its
-	/// mesh frame.
-	std::optional<ist::Error> add(const StudyTrial& trial, const TrialWatch& watch, const SceneOutcome& run, const ist::Pose& X_MP);
+	/// Adds a trial and its samples, and writes all finished trials to the unfinished files.
+	std::optional<ist::Error> add(const StudyTrial& trial, const TrialWatch& watch, const SceneOutcome& run, const SceneWorld& world);
 	/// Writes the results and removes the unfinished files.
 	std::optional<ist::Error> finish();
 
@@ -29,7 +28,8 @@ public:
 private:
 	static constexpr const char* kUnfinished = ".unfinished";
 	std::string trialRow(const StudyTrial& trial) const;
-	void addSamples(const StudyTrial& trial, const TrialWatch& watch, const std::vector<SceneTick>& ticks, const ist::Pose& X_PM);
+	/// The ticks of a hand from `begin` to `end` [s].
+	void addSamples(const StudyTrial& trial, const SceneHandRun& hand, double begin, double end, const ist::Pose& X_PM);
 
 	const Study& m_study;
 	const StudyRunOptions& m_options;

@@ -19,10 +19,9 @@ namespace
 constexpr double kAfter = 0.01;  // time in which a trial that reached its limit comes to its end [s]
 
 /// Measures of the ticks from the beginning to the end of a trial.
-void measure(const TrialWatch& watch, const SceneOutcome& run, StudyTrial& trial)
+void measure(const TrialWatch& watch, const SceneHandRun& run, StudyTrial& trial)
 {
 	trial.device = run.device;
-	trial.faulted = run.faulted || !run.finite;
 	trial.overruns = run.overruns;
 	trial.deviceErrors = run.deviceErrors;
 	trial.endedBy = watch.endedBy();
@@ -73,8 +72,9 @@ Result<bool> runTrial(const Study& study, const StudyRunOptions& options, StudyR
 	const Result<SceneOutcome> outcome = runScene(scene, run, &world);
 	if (!outcome) return outcome.error();
 	if (outcome.value().interrupted) return false;
-	measure(watch, outcome.value(), trial);
-	if (auto refused = results.add(trial, watch, outcome.value(), world->body(scene.tool).X_MP)) return *refused;
+	measure(watch, outcome.value().hands.front(), trial);
+	for (const SceneHandRun& hand : outcome.value().hands) trial.faulted = trial.faulted || hand.faulted || !hand.finite;
+	if (auto refused = results.add(trial, watch, outcome.value(), *world)) return *refused;
 	return true;
 }
 }  // namespace

@@ -16,7 +16,7 @@ struct StudyRunOptions
 	std::string folder = ".";  ///< where the results are written
 };
 
-/// A row of the file of trials.
+/// A row of the file of trials. Its events and measures are those of the first hand of the scene.
 struct StudyTrial
 {
 	int block = 0, number = 0;  ///< number of the repetition and of the trial, from 1
@@ -25,7 +25,7 @@ struct StudyTrial
 	std::string endedBy;                 ///< "button 0", the name of a body, "time limit", "no begin" or "device"
 	double meanForce = 0, maxForce = 0;  ///< force that was sent to the hand [N]
 	double path = 0, contact = 0;        ///< way of the hand [m]; time in which the tool touched something [s]
-	bool faulted = false;                ///< a fault kept the force at zero at the end
+	bool faulted = false;                ///< a fault kept the force of a hand at zero at the end
 	uint64_t overruns = 0, deviceErrors = 0;
 	std::string device;  ///< model of the device
 };

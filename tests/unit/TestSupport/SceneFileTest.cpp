@@ -128,21 +128,24 @@ TEST(SceneFile, ReadsBodiesHandAndHooks)
 	EXPECT_EQ(s.bodies[3].halfExtents, (Vec3{0.1, 0.2, 0.3}));
 	EXPECT_EQ(s.bodies[4].radius, 0.01);
 
-	EXPECT_EQ(s.device, "sim:omega6");
-	EXPECT_EQ(s.tool, 5u);
-	EXPECT_TRUE(s.toolGravity);
-	ASSERT_TRUE(s.X_BW.has_value());
-	EXPECT_LT(distance(*s.X_BW * Vec3{1, 0, 0}, {std::sqrt(0.5), std::sqrt(0.5), 1}), 1e-12);
-	EXPECT_EQ(s.coupling.stiffness, 500);
-	EXPECT_EQ(s.coupling.angularStiffness, 0.1);
-	EXPECT_EQ(s.coupling.damping, 1);
-	EXPECT_EQ(s.coupling.angularDamping, 0.001);
-	EXPECT_EQ(s.coupling.maxForce, 5);
-	EXPECT_EQ(s.coupling.maxTorque, 0.05);
-	EXPECT_EQ(s.coupling.softContact, 4);
-	ASSERT_EQ(s.path.size(), 2u);
-	EXPECT_EQ(s.path[1].time, 1);
-	EXPECT_EQ(s.path[1].X_BM.translation, (Vec3{0, 0, 2}));
+	ASSERT_EQ(s.hands.size(), 1u);
+	const SceneHand& hand = s.hands[0];
+	EXPECT_EQ(hand.name, "hand");
+	EXPECT_EQ(hand.device, "sim:omega6");
+	EXPECT_EQ(hand.tool, 5u);
+	EXPECT_TRUE(hand.toolGravity);
+	ASSERT_TRUE(hand.X_BW.has_value());
+	EXPECT_LT(distance(*hand.X_BW * Vec3{1, 0, 0}, {std::sqrt(0.5), std::sqrt(0.5), 1}), 1e-12);
+	EXPECT_EQ(hand.coupling.stiffness, 500);
+	EXPECT_EQ(hand.coupling.angularStiffness, 0.1);
+	EXPECT_EQ(hand.coupling.damping, 1);
+	EXPECT_EQ(hand.coupling.angularDamping, 0.001);
+	EXPECT_EQ(hand.coupling.maxForce, 5);
+	EXPECT_EQ(hand.coupling.maxTorque, 0.05);
+	EXPECT_EQ(hand.coupling.softContact, 4);
+	ASSERT_EQ(hand.path.size(), 2u);
+	EXPECT_EQ(hand.path[1].time, 1);
+	EXPECT_EQ(hand.path[1].X_BM.translation, (Vec3{0, 0, 2}));
 
 	EXPECT_TRUE(s.onlyPairs);
 	ASSERT_EQ(s.pairs.size(), 2u);
@@ -242,6 +245,93 @@ TEST(SceneFile, EveryMistakeIsRefusedWithLineAndField)
 	}
 }
 
+namespace
+{
+/// Two hands with a tool each, and a tracked hand.
+const char* const kHands = R"({
+	"schema": 1,
+	"assets": [{"name": "ball", "shape": "sphere"}],
+	"bodies": [
+		{"name": "floor", "plane": {}},
+		{"name": "a", "asset": "ball"},
+		{"name": "b", "asset": "ball"}
+	],
+	"hands": [
+		{"name": "left", "device": "sim:sigma7", "tool": "a", "path": [{"time": 0}, {"time": 3}]},
+		{"name": "right", "device": "sim:touch", "tool": "b", "path": [{"time": 0}, {"time": 2}], "coupling": {"stiffness": 300}},
+		{"name": "glove", "device": "motion:hand.csv", "parts": {"spheres": 60, "friction": 0.4}, "origin": {"position": [0, 1, 0]}}
+	],
+	"pairs": [["a", "b"], ["floor", "glove"]],
+	"hooks": [{"on": "collision", "do": "count", "hand": "right"}, {"on": "fault", "do": "log"}]
+})";
+
+std::string refusalOfHands(const std::string& from, const std::string& to)
+{
+	std::string text = kHands;
+	const size_t at = text.find(from);
+	EXPECT_NE(at, std::string::npos) << from;
+	return refusalOf(text.replace(at, from.size(), to));
+}
+}  // namespace
+
+TEST(SceneFile, ReadsSeveralHands)
+{
+	const Result<Scene> read = parseScene("s.json", kHands, "");
+	ASSERT_TRUE(read) << read.error().message;
+	const Scene& s = read.value();
+	ASSERT_EQ(s.hands.size(), 3u);
+	EXPECT_EQ(s.hands[0].name, "left");
+	EXPECT_EQ(s.hands[0].tool, 1u);
+	EXPECT_EQ(s.hands[0].path.size(), 2u);
+	EXPECT_LT(s.hands[0].coupling.stiffness, 0);
+	EXPECT_EQ(s.hands[1].device, "sim:touch");
+	EXPECT_EQ(s.hands[1].devicePlace, "s.json:11: hands[1].device");
+	EXPECT_EQ(s.hands[1].coupling.stiffness, 300);
+	ASSERT_TRUE(s.hands[2].parts.has_value());
+	EXPECT_EQ(s.hands[2].parts->spheres, 60);
+	EXPECT_EQ(s.hands[2].parts->friction, 0.4);
+	EXPECT_EQ(s.hands[2].X_BW->translation.y, 1);
+	EXPECT_EQ(s.duration, 3);
+	EXPECT_FALSE(s.isTool(0));
+	EXPECT_TRUE(s.isTool(1));
+	EXPECT_TRUE(s.isTool(2));
+	EXPECT_EQ(s.pairs, (std::vector<std::pair<size_t, size_t>>{{1, 2}}));
+	EXPECT_EQ(s.partPairs, (std::vector<std::pair<size_t, size_t>>{{2, 0}}));
+	EXPECT_EQ(s.hooks[0].hand, 1u);
+	EXPECT_FALSE(s.hooks[1].hand.has_value());
+}
+
+TEST(SceneFile, EveryMistakeInSeveralHandsIsRefusedWithLineAndField)
+{
+	const struct
+	{
+		const char *from, *to, *wanted;
+	} mistakes[] = {
+		{"\"hands\": [", "\"hand\": {}, \"hands\": [", "s.json:9: hands: goes without hand"},
+		{"\"name\": \"left\", ", "", "s.json:10: hands[0].name: is missing"},
+		{"\"name\": \"right\"", "\"name\": \"left\"", "s.json:11: hands[1].name: another one is called left already"},
+		{"\"tool\": \"b\"", "\"tool\": \"a\"", "s.json:11: hands[1].tool: left holds a already"},
+		{"\"tool\": \"b\", ", "", "s.json:11: hands[1].tool: is missing"},
+		{"\"stiffness\": 300", "\"stiffness\": -1", "s.json:11: hands[1].coupling.stiffness: wants a number from"},
+		{"{\"time\": 2}", "{\"time\": 0}", "s.json:11: hands[1].path[1].time: wants more than that of the frame before"},
+		{"\"parts\": {", "\"tool\": \"b\", \"parts\": {", "s.json:12: hands[2].tool: goes without parts"},
+		{"\"parts\": {", "\"gravity\": true, \"parts\": {", "s.json:12: hands[2].gravity: no such field is known here"},
+		{"\"spheres\": 60", "\"spheres\": 0", "s.json:12: hands[2].parts.spheres: wants a number from 1"},
+		{"\"friction\": 0.4", "\"slip\": 0.4", "s.json:12: hands[2].parts.slip: no such field is known here"},
+		{"\"name\": \"glove\"", "\"name\": \"floor\"", "s.json:12: hands[2].name: a body is called floor"},
+		{"\"schema\": 1,", "\"schema\": 1, \"topology\": \"local-model\",", "s.json:12: hands[2].parts: the bodies of a tracked hand"},
+		{"[\"floor\", \"glove\"]", "[\"ghost\", \"glove\"]", "s.json:14: pairs[1]: no body is called ghost"},
+		{"[\"floor\", \"glove\"]", "[\"floor\", \"left\"]", "s.json:14: pairs[1]: no body is called left"},
+		{"\"hand\": \"right\"", "\"hand\": \"both\"", "s.json:15: hooks[0].hand: no hand is called both; there are left, right, glove"},
+	};
+	EXPECT_EQ(refusalOf(kHands), "accepted");
+	for (const auto& m : mistakes)
+	{
+		const std::string refusal = refusalOfHands(m.from, m.to);
+		EXPECT_EQ(refusal.compare(0, std::string(m.wanted).size(), m.wanted), 0) << "wanted " << m.wanted << "\n   got " << refusal;
+	}
+}
+
 TEST(SceneFile, WithoutADurationThePathGivesIt)
 {
 	const Result<Scene> scene = parseScene("s.json", with("\t\"duration\": 2.5,\n", ""), "");
@@ -253,11 +343,11 @@ TEST(SceneFile, ASceneForTestsHasNoHand)
 {
 	const Result<Scene> whole = parseScene("s.json", kWhole, "");
 	ASSERT_TRUE(whole) << whole.error().message;
-	EXPECT_TRUE(whole.value().hasHand);
+	EXPECT_EQ(whole.value().hands.size(), 1u);
 	EXPECT_EQ(whole.value().handPlace, "s.json:27: hand");
 	const Result<Scene> scene = parseScene("s.json", R"({"schema": 1, "bodies": [{"name": "pea", "sphere": 0.01}]})", "");
 	ASSERT_TRUE(scene) << scene.error().message;
-	EXPECT_FALSE(scene.value().hasHand);
+	EXPECT_TRUE(scene.value().hands.empty());
 	EXPECT_EQ(scene.value().handPlace, "s.json:1: hand");
 }
 

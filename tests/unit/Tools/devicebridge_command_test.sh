@@ -120,7 +120,8 @@ accept()
 }
 part='{p["part"]: p for p in r["parts"]}'
 accept "acceptance" 0 "$(answers "$felt" 40 yes)" sim:sigma7
-holds "acceptance" 'r["ok"] and r["complete"] and r["simulated"] and r["comment"] == "All as Described." and r["device"]["model"] == "sigma.7"'
+holds "acceptance" 'r["ok"] and r["complete"] and r["simulated"]'
+holds "acceptance says whose it is" 'r["comment"] == "All as Described." and r["device"]["model"] == "sigma.7"'
 holds "acceptance has its parts" '[p["part"] for p in r["parts"]] == ["axes", "turns", "scale", "rate", "forces", "release", "unplug"]'
 holds "a push is at most 1 N and gets there" \
 	"all(0.99 < q['strongest_n'] <= 1 and abs(q['moved_m'] - 1 / 300) < 4e-4 for q in $part['forces']['pushes'])"

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Zlib
+#include "TestSupport/SceneFiles/SceneReader.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <system_error>
+
+using namespace ist;
+using Json = ist::JsonValue;
+
+namespace scenes
+{
+namespace
+{
+/// True when two names mean one file, however they are spelled, also through links. The file need not exist.
+bool isSameFile(const std::string& a, const std::string& b)
+{
+	if (a.empty() || b.empty()) return false;
+	namespace fs = std::filesystem;
+	std::error_code failed;
+	if (fs::equivalent(a, b, failed)) return true;
+	const fs::path left = fs::weakly_canonical(fs::absolute(a, failed), failed),
+				   right = fs::weakly_canonical(fs::absolute(b, failed), failed);
+	return a == b || (!left.empty() && left == right);
+}
+}  // namespace
+
+void SceneReader::readHands(JsonFields& root)
+{
+	m_scene.handPlace = placeOf(root, "hand");
+	if (root.has("hand") && root.has("hands")) root.refuse("hands", "goes without hand, which is a list of one");
+	if (const Json* object = root.object("hand"))
+	{
+		JsonFields f = fields(*object, "hand");
+		readHand(f);
+		f.finish();
+	}
+	eachOf(root, "hands", [&](JsonFields& f, size_t) {
+		f.need("name");
+		readHand(f);
+	});
+	if (m_scene.hands.empty() || m_problem) return;
+	if (m_scene.duration == 0)
+		for (const SceneHand& hand : m_scene.hands)
+			if (!hand.path.empty()) m_scene.duration = std::max(m_scene.duration, hand.path.back().time);
+	if (m_scene.duration == 0) root.refuse("duration", "is missing, and no hand has a path to say how long it moves");
+}
+
+void SceneReader::readHand(JsonFields& f)
+{
+	SceneHand hand;
+	hand.place = placeOf(f);
+	hand.name = f.text("name", hand.name);
+	for (const SceneHand& other : m_scene.hands)
+		if (other.name == hand.name) f.refuse("name", "another one is called " + hand.name + " already");
+	f.need("device");
+	hand.device = f.text("device");
+	hand.devicePlace = placeOf(f, "device");
+	if (hand.device.find(':') == std::string::npos)
+		f.refuse("device", "wants an address such as sim:sigma7; devicebridge list shows what can be had");
+	if (f.has("parts")) readParts(f, hand);
+	else readTool(f, hand);
+	if (const Json* origin = f.object("origin"))
+	{
+		JsonFields o = fields(*origin, f.pathOf("origin"));
+		hand.X_BW = readPose(o);
+		o.finish();
+	}
+	if (!m_problem) m_scene.hands.push_back(std::move(hand));
+}
+
+void SceneReader::readTool(JsonFields& f, SceneHand& hand)
+{
+	f.need("tool");
+	hand.tool = find(f, "tool", f.text("tool"), m_scene.bodies, "body");
+	if (!m_problem)
+	{
+		const SceneBody& tool = m_scene.bodies[hand.tool];
+		if (tool.kind != SceneBody::Kind::Asset) f.refuse("tool", "wants a body with an asset; " + tool.name + " has none");
+		if (tool.fixed) f.refuse("tool", tool.name + " is fixed and cannot follow a hand");
+		for (const SceneHand& other : m_scene.hands)
+			if (!other.parts && other.tool == hand.tool) f.refuse("tool", other.name + " holds " + tool.name + " already");
+	}
+	hand.toolGravity = f.flag("gravity", false);
+	if (const Json* coupling = f.object("coupling")) readCoupling(fields(*coupling, f.pathOf("coupling")), hand.coupling);
+	eachOf(f, "path", [&](JsonFields& frame, size_t) { readKeyFrame(frame, hand); });
+}
+
+void SceneReader::readParts(JsonFields& f, SceneHand& hand)
+{
+	if (f.has("tool")) f.refuse("tool", "goes without parts, which are the tool");
+	if (m_scene.topology != SceneTopology::OneThread)
+		f.refuse("parts", "the bodies of a tracked hand are in the world, which its thread steps: they want the topology one-thread");
+	for (const SceneBody& body : m_scene.bodies)
+		if (body.name == hand.name) f.refuse("name", "a body is called " + hand.name + ", and pairs name both");
+	const Json* object = f.object("parts");
+	if (!object) return;
+	JsonFields parts = fields(*object, f.pathOf("parts"));
+	hand.parts.emplace();
+	hand.parts->spheres = parts.whole("spheres", hand.parts->spheres, 1, 100'000);
+	hand.parts->friction = parts.number("friction", hand.parts->friction, 0, 100);
+	parts.finish();
+}
+
+void SceneReader::readCoupling(JsonFields f, SceneCoupling& c)
+{
+	c.isStatic = f.flag("static", false);
+	c.stiffness = f.number("stiffness", -1, 0, 1e6);
+	c.angularStiffness = f.number("angularStiffness", -1, 0, 1e6);
+	c.damping = f.number("damping", -1, 0, 1e4);
+	c.angularDamping = f.number("angularDamping", -1, 0, 1e4);
+	c.maxForce = f.number("maxForce", -1, 0, 1e4);
+	c.maxTorque = f.number("maxTorque", -1, 0, 1e4);
+	c.softContact = f.number("softContact", 1, 1, 1e3);
+	f.finish();
+}
+
+void SceneReader::readKeyFrame(JsonFields& f, SceneHand& hand)
+{
+	SceneKeyFrame frame;
+	f.need("time");
+	frame.time = f.number("time", 0, 0, kLongestRun);
+	if (!hand.path.empty() && !(frame.time > hand.path.back().time)) f.refuse("time", "wants more than that of the frame before");
+	frame.X_BM = readPose(f);
+	hand.path.push_back(frame);
+}
+
+/// Refuses a recording that would overwrite an input file.
+void SceneReader::checkRecording(JsonFields& f, const std::string& file)
+{
+	if (m_problem) return;
+	if (isSameFile(file, m_scene.file)) f.refuse("file", "is the scene file itself");
+	for (const SceneAsset& asset : m_scene.assets)
+		if (isSameFile(file, asset.mesh) || isSameFile(file, asset.ist)) f.refuse("file", "is that of the asset " + asset.name);
+	for (const SceneHook& other : m_scene.hooks)
+		if (isSameFile(file, other.file)) f.refuse("file", "another hook records into it already");
+}
+
+void SceneReader::readHook(JsonFields& f)
+{
+	SceneHook hook;
+	f.need("on");
+	f.need("do");
+	hook.event = static_cast<SceneHook::Event>(f.choice("on", 0, {"transform", "collision", "haptic-tick", "fault"}));
+	hook.action = static_cast<SceneHook::Action>(f.choice("do", 1, {"record", "count", "force", "damping", "scale", "log", "stop"}));
+	if (f.has("hand")) hook.hand = find(f, "hand", f.text("hand"), m_scene.hands, "hand");
+	using Event = SceneHook::Event;
+	using Action = SceneHook::Action;
+	const Action a = hook.action;
+	const bool fits = (a == Action::Record && (hook.event == Event::Transform || hook.event == Event::HapticTick)) ||
+		(a == Action::Count && hook.event == Event::Collision) || (a == Action::Log && hook.event == Event::Fault) ||
+		(a == Action::Stop && (hook.event == Event::Fault || hook.event == Event::Collision)) ||
+		((a == Action::Force || a == Action::Damping || a == Action::Scale) && hook.event == Event::HapticTick);
+	if (!fits) f.refuse("do", f.text("do") + " cannot be done on " + f.text("on"));
+	if (a == Action::Record)
+	{
+		f.need("file");
+		hook.file = fileName(f.text("file"));
+		hook.place = placeOf(f, "file");
+		checkRecording(f, hook.file);
+	}
+	if (a == Action::Force) hook.force = f.vector("force", {}, 100);
+	if (a == Action::Damping)
+	{
+		hook.damping = f.number("damping", 0, 0, 1000);
+		hook.angularDamping = f.number("angularDamping", 0, 0, 1000);
+	}
+	if (a == Action::Scale) hook.factor = f.number("factor", 1, 0, 100);
+	m_scene.hooks.push_back(hook);
+}
+}  // namespace scenes

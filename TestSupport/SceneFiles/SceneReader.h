@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Zlib
+#pragma once
+
+#include "TestSupport/SceneFiles/JsonSource.h"
+#include "TestSupport/SceneFiles/SceneFile.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace scenes
+{
+constexpr double kLargestLength = 1000;   // [m]
+constexpr double kSmallestLength = 1e-5;  // [m]
+constexpr double kLongestRun = 3600;      // [s]
+
+/// Reads the JSON text of one scene. The first error is kept. Hands and hooks have the file SceneHandReader.cpp.
+class SceneReader
+{
+public:
+	SceneReader(const JsonSource& source, std::string folder) : m_source(source), m_folder(std::move(folder)) {}
+
+	ist::Result<Scene> read(const std::string& name);
+
+private:
+	JsonFields fields(const ist::JsonValue& object, const std::string& path) { return JsonFields(m_source, object, path, m_problem); }
+
+	/// Reads every object of a list, and refuses unknown fields in each.
+	template <class Read> void eachOf(JsonFields& parent, const std::string& name, const Read& read)
+	{
+		const ist::JsonValue* list = parent.list(name);
+		for (size_t i = 0; list && i < list->size() && !m_problem; ++i)
+		{
+			JsonFields each = fields((*list)[i], parent.pathOf(name) + "[" + std::to_string(i) + "]");
+			read(each, i);
+			each.finish();
+		}
+	}
+
+	/// Index of a name among the objects read so far.
+	template <class Named>
+	size_t find(JsonFields& f, const std::string& field, const std::string& wanted, const std::vector<Named>& all, const char* kind)
+	{
+		std::string known;
+		for (size_t i = 0; i < all.size(); ++i)
+		{
+			if (all[i].name == wanted) return i;
+			known += (i ? ", " : "") + all[i].name;
+		}
+		f.refuse(field, std::string("no ") + kind + " is called " + wanted + (known.empty() ? "; there is none" : "; there are " + known));
+		return 0;
+	}
+
+	template <class Named> std::string newName(JsonFields& f, const std::vector<Named>& all)
+	{
+		f.need("name");
+		const std::string name = f.text("name");
+		for (const Named& other : all)
+			if (other.name == name) f.refuse("name", "another one is called " + name + " already");
+		return name;
+	}
+
+	std::string placeOf(const JsonFields& f, const std::string& name = {}) const;
+	std::string fileName(const std::string& name) const;
+	ist::Pose readPose(JsonFields& f);
+	double length(JsonFields& f, const std::string& name, double otherwise);
+
+	void readThreads(JsonFields& root);
+	void readAsset(JsonFields& f);
+	ist::Mesh readShape(JsonFields& f);
+	ist::Mesh readCrown(JsonFields& f);
+	void readMaterial(JsonFields& f);
+	void readBody(JsonFields& f);
+	void readStockShape(JsonFields& f, SceneBody& body);
+	void readWatch(JsonFields& root);
+	void readPair(JsonFields& root, const std::string& at, const ist::JsonValue& pair);
+
+	void readHands(JsonFields& root);
+	void readHand(JsonFields& f);
+	void readTool(JsonFields& f, SceneHand& hand);
+	void readParts(JsonFields& f, SceneHand& hand);
+	void readCoupling(JsonFields f, SceneCoupling& coupling);
+	void readKeyFrame(JsonFields& f, SceneHand& hand);
+	void readHook(JsonFields& f);
+	void checkRecording(JsonFields& f, const std::string& file);
+
+	const JsonSource& m_source;
+	std::string m_folder;
+	std::optional<ist::Error> m_problem;
+	std::vector<SceneMaterial> m_materials;
+	Scene m_scene;
+};
+}  // namespace scenes
