@@ -19,7 +19,7 @@ const char* const kDemoUsage =
 	"  --device ADDRESS of --study: the device in place of that of the scenes\n"
 	"  --results FOLDER where --study writes its two CSV files (default: the current folder)\n"
 	"  --paper-figures DIR  rates of force and contact of three scenes, in real time: a page and CSV files\n"
-	"  --scenes FOLDER  where --paper-figures finds its scenes (default data/scenes, from the current folder)\n"
+	"  --scenes FOLDER  where --paper-figures and --demo assembly find their scenes (default data/scenes, from the current folder)\n"
 	"  --mesh FILE      mesh to use (default: the bunny of glmark2-data; of the browser's demos, a shape of their own); a damaged OFF or "
 	"PLY file may end the program: try it with `ist build` first\n"
 	"  --unit METRES    metres per unit of the file, in place of the one that it states (default: the longest side becomes 0.2 m; of "
@@ -68,7 +68,7 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 			if (given.count(name)) return with + " goes without " + name + ": " + why;
 		return std::string();
 	};
-	const bool grasps = a.demo == "grasps" || a.demo == "grasp-load" || a.demo == "grasp-compare";
+	const bool grasps = a.demo == "grasps" || a.demo == "grasp-load" || a.demo == "grasp-compare" || a.demo == "assembly";
 	const bool others = given.count("--scene") || given.count("--study") || given.count("--paper-figures") || a.demo == "haptic-bunny" ||
 		a.demo == "bunny-query" || a.demo == "continuity" || grasps;
 	std::vector<std::string> foreign = kOfTheBrowser;
@@ -96,7 +96,7 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 		return clash("--paper-figures",
 			{"--scene", "--demo", "--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate", "--report"},
 			"it runs its own scenes in real time and writes its own page");
-	if (given.count("--scenes")) return "--scenes goes with --paper-figures";
+	if (given.count("--scenes") && a.demo != "assembly") return "--scenes goes with --paper-figures and --demo assembly";
 	if (given.count("--study"))
 	{
 		if (!given.count("--participant")) return "--study needs --participant N, which decides the order of the conditions";

@@ -4,6 +4,7 @@
 #include "demos/BrowserRun.h"
 #include "demos/DemoArguments.h"
 #include "demos/Present.h"
+#include "demos/scenes/Assembly/AssemblyReport.h"
 #include "demos/scenes/Carry/CarryReport.h"
 #include "demos/scenes/Extremes/Continuity.h"
 #include "demos/scenes/Grasp/GraspLoad.h"
@@ -140,6 +141,17 @@ int runGraspCompare(const DemoArguments& a)
 	return outcome.value().ok() ? presented : 1;
 }
 
+int runAssembly(const DemoArguments& a)
+{
+	scenes::AssemblyOptions options;
+	options.build = {a.cache, showProgress, {}};
+	options.scenes = a.scenes;
+	const auto outcome = scenes::runAssemblyReport(options);
+	if (!outcome) return say(outcome.error().message), 1;
+	const int presented = present(a, outcome.value());
+	return outcome.value().ok() ? presented : 1;
+}
+
 int runHapticBunny(const DemoArguments& a)
 {
 	scenes::HapticBunnyOptions options;
@@ -233,6 +245,7 @@ int run(int argc, char** argv)
 		std::printf("grasp-load    time of a tick while a hand of 80,000 spheres holds an object of 10,000\n");
 		std::printf("grasp-compare one hand against two, 3 against 6 degrees of freedom: a beam with a nut and a ring on it is carried to "
 					"its place\n");
+		std::printf("assembly      one hand against two, 3 against 6 degrees of freedom: a peg is carried and put into a tube\n");
 		std::printf("of the browser, which opens without --headless:\n");
 		scenes::listBrowserDemos();
 		return 0;
@@ -244,6 +257,7 @@ int run(int argc, char** argv)
 	if (a.demo == "continuity") return runContinuity(a);
 	if (a.demo == "grasps") return runGrasps(a);
 	if (a.demo == "grasp-load") return runGraspLoad(a);
+	if (a.demo == "assembly") return runAssembly(a);
 	if (a.demo == "grasp-compare") return runGraspCompare(a);
 	if (a.demo == "z-width") return runZWidth(a);
 	if (a.demo == "safety") return runSafety(a);

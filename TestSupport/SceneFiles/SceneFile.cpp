@@ -102,7 +102,7 @@ void SceneReader::readAsset(JsonFields& f)
 
 Mesh SceneReader::readShape(JsonFields& f)
 {
-	const int shape = f.choice("shape", 0, {"box", "sphere", "capsule", "cylinder", "ring", "crown", "sword"});
+	const int shape = f.choice("shape", 0, {"box", "sphere", "capsule", "cylinder", "ring", "crown", "sword", "tube"});
 	if (shape == 0)
 	{
 		const Vec3 half = f.vector("halfExtents", {0.05, 0.05, 0.05}, kLargestLength);
@@ -122,7 +122,20 @@ Mesh SceneReader::readShape(JsonFields& f)
 		if (!(tube < radius)) f.refuse("tubeRadius", "wants less than the radius of the ring");
 		return makeTorusMesh(radius, tube);
 	}
+	if (shape == 7) return readTube(f);
 	return shape == 5 ? readCrown(f) : makeSwordMesh();
+}
+
+Mesh SceneReader::readTube(JsonFields& f)
+{
+	TubeShape tube;
+	tube.radius = length(f, "radius", tube.radius);
+	tube.wall = length(f, "wall", tube.wall);
+	tube.halfLength = length(f, "halfLength", tube.halfLength);
+	tube.chamfer = f.number("chamfer", 0, 0, kLargestLength);
+	if (!(tube.wall < tube.radius)) f.refuse("wall", "wants less than the radius");
+	if (!(tube.chamfer < tube.wall && tube.chamfer < 2 * tube.halfLength)) f.refuse("chamfer", "wants less than wall and length");
+	return m_problem ? Mesh() : makeTubeMesh(tube);
 }
 
 Mesh SceneReader::readCrown(JsonFields& f)

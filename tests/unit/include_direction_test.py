@@ -78,6 +78,7 @@ CHAIN = [
     ("demos/scenes/Truth", ALL + ["demos/scenes/Pages", "demos/scenes/Bodies"]),
     ("demos/scenes/Extremes", ALL + ["demos/scenes/Pages", "demos/scenes/Bodies", "demos/scenes/Truth"]),
     ("demos/scenes/Scene", ALL + ["demos/scenes/Pages", "demos/scenes/Bodies"]),
+    ("demos/scenes/Assembly", ALL + ["demos/scenes/Pages", "demos/scenes/Scene"]),
     ("demos/scenes/Study", ALL + ["demos/scenes/Pages", "demos/scenes/Scene"]),
     ("demos/scenes/Grasp", ALL + ["demos/scenes/Pages", "demos/scenes/Bodies"]),
     ("demos/scenes/Carry", ALL + ["demos/scenes/Pages", "demos/scenes/Grasp"]),
