@@ -30,9 +30,9 @@ constexpr Measure kMeasures[] = {{"time until assembled", "time_s", "s", &Assemb
 	{"mean force on a hand", "mean_force_n", "N", &AssemblyTrial::meanForce, 1},
 	{"largest force on a hand", "max_force_n", "N", &AssemblyTrial::maxForce, 1},
 	{"largest torque on a hand", "max_torque_nm", "N m", &AssemblyTrial::maxTorque, 1},
-	{"largest force between peg and tube", "max_contact_n", "N", &AssemblyTrial::maxContact, 1},
-	{"angle between the axes at the end", "tilt_rad", "deg", &AssemblyTrial::tilt, kDegrees},
-	{"peg's end off the tube's axis at the end", "off_centre_m", "mm", &AssemblyTrial::offCentre, 1e3}};
+	{"largest contact force", "max_contact_n", "N", &AssemblyTrial::maxContact, 1},
+	{"angle at the end", "tilt_rad", "deg", &AssemblyTrial::tilt, kDegrees},
+	{"off centre at the end", "off_centre_m", "mm", &AssemblyTrial::offCentre, 1e3}};
 
 struct Spread
 {

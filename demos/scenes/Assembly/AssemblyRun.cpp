@@ -69,7 +69,7 @@ AssemblyTrial AssemblyJudge::finish(const SceneOutcome& run) const
 	{
 		const Vec3 end = endOf(m_rows[i]);
 		// A peg beside the tube is not in it.
-		AssemblySample now{ticks[i].time, std::hypot(end.x, end.y) < kHole ? kTubeHalf - end.z : 0, 0};
+		AssemblySample now{ticks[i].time, std::hypot(end.x, end.y) < kHole ? std::max(0.0, kTubeHalf - end.z) : 0, 0};
 		for (const SceneHandRun& hand : run.hands)
 		{
 			if (i >= hand.ticks.size()) continue;

@@ -29,7 +29,7 @@ struct AssemblyOptions
 struct AssemblySample
 {
 	double time = 0;   ///< [s]
-	double depth = 0;  ///< depth of the peg's end below the upper end of the tube, along the tube's axis; zero beside it [m]
+	double depth = 0;  ///< depth of the peg's end below the upper end of the tube, along the tube's axis; zero outside [m]
 	double force = 0;  ///< largest force on a hand [N]
 };
 
