@@ -86,6 +86,7 @@ set(BULLETHAPTICS_HEADERS
 	DeviceBridge/Bullet/BulletToolContacts.h
 	DeviceBridge/Bullet/BulletWorldCoupling.h
 	DeviceBridge/Coupling/AdaptiveCoupling.h
+	DeviceBridge/Coupling/CouplingSwitch.h
 	DeviceBridge/Coupling/DeviceGains.h
 	DeviceBridge/Coupling/VirtualCoupling.h
 	DeviceBridge/Decorators/DeviceDecorator.h

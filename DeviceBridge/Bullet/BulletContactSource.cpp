@@ -63,9 +63,12 @@ void BulletContactSource::prepare(double dt, const DeviceState& hand) noexcept
 	m_toolOrigin = toVec3(m_tool.getWorldTransform().getOrigin());
 	// A static coupling gives the tool the mass of a spring times the square of the step.
 	if (m_settings.gains.isStatic && !(dt > 0)) return;
-	adapt(dt, hand);
+	DeviceState leading = hand;
+	m_pull = {};
+	if (!m_switch.lead(leading, toolState(), dt)) return;
+	adapt(dt, leading);
 	forgetMomentum(dt);
-	m_pull = pull(dt, hand);
+	m_pull = pull(dt, leading);
 	applyToTool(m_pull);
 }
 

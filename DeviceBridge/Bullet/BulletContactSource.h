@@ -3,6 +3,7 @@
 
 #include "BulletHapticForce/World/btISTWorld.h"
 #include "DeviceBridge/Coupling/AdaptiveCoupling.h"
+#include "DeviceBridge/Coupling/CouplingSwitch.h"
 #include "DeviceBridge/Coupling/DeviceGains.h"
 #include "DeviceBridge/Loop/ContactSource.h"
 
@@ -57,6 +58,10 @@ public:
 	/// State of the tool, in W.
 	ToolState toolState() const noexcept;
 
+	/// For any thread: lets the tool go, or takes hold of it again (CouplingSwitch). A static coupling stays on, because its tool has no
+	/// momentum to go on by itself.
+	void setCoupled(bool on) noexcept { m_switch.set(on || m_settings.gains.isStatic); }
+
 private:
 	void adapt(double dt, const DeviceState& hand) noexcept;
 	bool isFresh(const btISTContact& contact) const noexcept;
@@ -73,6 +78,7 @@ private:
 	btRigidBody& m_tool;
 	BulletToolSettings m_settings;
 	AdaptiveCoupling m_coupling;
+	CouplingSwitch m_switch;
 	ist::Pose m_X_WB;
 	double m_mass;  // mass of the tool when it was passed in [kg]
 	bool m_isPrepared = false;

@@ -141,9 +141,14 @@ void BulletDecoupledSource::advance(double dt, const DeviceState& hand, ToolStep
 	if (m_refusal[0] == '\0') findContacts(now, step);
 	if (topology() == ContactThreading::InHapticThread) step.queryMicroseconds = microsecondsSince(begin);
 	weighContacts(dt, factor);
-	adapt(dt, hand);
-	forgetMomentum(dt);
-	step.coupling = pull(dt, hand);
+	DeviceState leading = hand;
+	step.coupling = {};
+	if (m_switch.lead(leading, toolState(), dt))
+	{
+		adapt(dt, leading);
+		forgetMomentum(dt);
+		step.coupling = pull(dt, leading);
+	}
 	const ist::Mat3& R_BW = m_settings.X_BW.rotation;
 	const ist::Vec3 origin = m_local.tool.state.X_WT.translation;
 	m_local.step(dt, {R_BW * step.coupling.force, R_BW * step.coupling.torque}, m_touching.data(), m_touchingCount, m_mirror.snapshot());

@@ -8,6 +8,7 @@
 #include "DeviceBridge/Bullet/BulletLocalWorld.h"
 #include "DeviceBridge/Bullet/BulletToolContacts.h"
 #include "DeviceBridge/Coupling/AdaptiveCoupling.h"
+#include "DeviceBridge/Coupling/CouplingSwitch.h"
 #include "DeviceBridge/Coupling/DeviceGains.h"
 #include "DeviceBridge/Coupling/VirtualCoupling.h"
 #include "DeviceBridge/Loop/AnsweringThread.h"
@@ -119,6 +120,8 @@ public:
 
 	// For any thread:
 	void setTopology(ContactThreading topology) noexcept { m_topology.store(topology, std::memory_order_relaxed); }
+	/// BulletContactSource::setCoupled.
+	void setCoupled(bool on) noexcept { m_switch.set(on || m_settings.gains.isStatic); }
 	ContactThreading topology() const noexcept { return m_topology.load(std::memory_order_relaxed); }
 	DecoupledStatistics statistics() const noexcept;
 
@@ -218,6 +221,7 @@ private:
 	MonotonicClock m_time;
 	BulletDecoupledSettings m_settings;
 	AdaptiveCoupling m_coupling;
+	CouplingSwitch m_switch;
 	ist::Pose m_X_WB;
 	double m_leastInertia = 0;
 	const char* m_refusal;

@@ -23,6 +23,7 @@ Result<Scene> SceneReader::read(const std::string& name)
 {
 	m_scene.file = name;
 	JsonFields root = fields(m_source.root(), "");
+	root.text("$schema");  // for editors
 	root.need("schema");
 	if (root.number("schema", 1, -1e9, 1e9) != 1) root.refuse("schema", "this program reads schema 1");
 	m_scene.name = root.text("name", std::filesystem::path(name).stem().string());

@@ -61,7 +61,8 @@ struct SceneBody
 struct SceneKeyFrame
 {
 	double time = 0;
-	ist::Pose X_BM;  ///< pose of the tool's mesh frame at this time, as the hand moves it
+	ist::Pose X_BM;        ///< pose of the tool's mesh frame at this time, as the hand moves it
+	uint32_t buttons = 0;  ///< bits of the buttons that are held from this time to the next frame's
 };
 
 /// An action at one of the thread's events, which needs no code.
@@ -72,7 +73,8 @@ struct SceneHook
 		Transform,
 		Collision,
 		HapticTick,
-		Fault
+		Fault,
+		Button  ///< a button of the device is pressed or released
 	};
 	enum class Action
 	{
@@ -82,7 +84,21 @@ struct SceneHook
 		Damping,  ///< adds the force -b v
 		Scale,    ///< multiplies the wrench
 		Log,      ///< prints each fault after the run
-		Stop      ///< ends the run
+		Stop,     ///< ends the run
+		Switch    ///< switches `what` on, off, or over
+	};
+	enum class What
+	{
+		Friction,  ///< friction of the tool
+		Coupling,  ///< the virtual coupling between hand and tool
+		Forces,    ///< forces at the device
+		Pair       ///< a pair of the scene
+	};
+	enum class To
+	{
+		Toggle,
+		On,
+		Off
 	};
 	Event event = Event::Collision;
 	Action action = Action::Count;
@@ -90,6 +106,14 @@ struct SceneHook
 	std::string file, place;     ///< file of a recording
 	ist::Vec3 force;
 	double damping = 0, angularDamping = 0, factor = 1;
+	int button = 1;              ///< number of the button, from 1
+	std::optional<size_t> body;  ///< collisions with this body only; missing: with all
+	bool atEnd = false;          ///< whether the event is the release of a button, or the end of a contact, instead of the beginning
+	What what = What::Friction;
+	To to = To::Toggle;
+	bool startsOff = false;          ///< whether `what` is off when the run begins
+	std::optional<size_t> pair;      ///< index of the switched pair among Scene::pairs
+	std::optional<size_t> partPair;  ///< or among Scene::partPairs
 };
 
 enum class SceneTopology

@@ -2,29 +2,13 @@
 #include "TestSupport/SceneFiles/SceneReader.h"
 
 #include <algorithm>
-#include <filesystem>
-#include <system_error>
+#include <cmath>
 
 using namespace ist;
 using Json = ist::JsonValue;
 
 namespace scenes
 {
-namespace
-{
-/// True when two names mean one file, however they are spelled, also through links. The file need not exist.
-bool isSameFile(const std::string& a, const std::string& b)
-{
-	if (a.empty() || b.empty()) return false;
-	namespace fs = std::filesystem;
-	std::error_code failed;
-	if (fs::equivalent(a, b, failed)) return true;
-	const fs::path left = fs::weakly_canonical(fs::absolute(a, failed), failed),
-				   right = fs::weakly_canonical(fs::absolute(b, failed), failed);
-	return a == b || (!left.empty() && left == right);
-}
-}  // namespace
-
 void SceneReader::readHands(JsonFields& root)
 {
 	m_scene.handPlace = placeOf(root, "hand");
@@ -122,50 +106,14 @@ void SceneReader::readKeyFrame(JsonFields& f, SceneHand& hand)
 	frame.time = f.number("time", 0, 0, kLongestRun);
 	if (!hand.path.empty() && !(frame.time > hand.path.back().time)) f.refuse("time", "wants more than that of the frame before");
 	frame.X_BM = readPose(f);
+	const Json* buttons = f.list("buttons");
+	for (size_t i = 0; buttons && i < buttons->size(); ++i)
+	{
+		const double number = (*buttons)[i].isNumber() ? (*buttons)[i].number() : 0;
+		if (!(number >= 1 && number <= kMostButtons && number == std::floor(number)))
+			return f.refuse("buttons", "wants numbers of buttons, from 1 to 32");
+		frame.buttons |= 1u << (static_cast<unsigned>(number) - 1);
+	}
 	hand.path.push_back(frame);
-}
-
-/// Refuses a recording that would overwrite an input file.
-void SceneReader::checkRecording(JsonFields& f, const std::string& file)
-{
-	if (m_problem) return;
-	if (isSameFile(file, m_scene.file)) f.refuse("file", "is the scene file itself");
-	for (const SceneAsset& asset : m_scene.assets)
-		if (isSameFile(file, asset.mesh) || isSameFile(file, asset.ist)) f.refuse("file", "is that of the asset " + asset.name);
-	for (const SceneHook& other : m_scene.hooks)
-		if (isSameFile(file, other.file)) f.refuse("file", "another hook records into it already");
-}
-
-void SceneReader::readHook(JsonFields& f)
-{
-	SceneHook hook;
-	f.need("on");
-	f.need("do");
-	hook.event = static_cast<SceneHook::Event>(f.choice("on", 0, {"transform", "collision", "haptic-tick", "fault"}));
-	hook.action = static_cast<SceneHook::Action>(f.choice("do", 1, {"record", "count", "force", "damping", "scale", "log", "stop"}));
-	if (f.has("hand")) hook.hand = find(f, "hand", f.text("hand"), m_scene.hands, "hand");
-	using Event = SceneHook::Event;
-	using Action = SceneHook::Action;
-	const Action a = hook.action;
-	const bool fits = (a == Action::Record && (hook.event == Event::Transform || hook.event == Event::HapticTick)) ||
-		(a == Action::Count && hook.event == Event::Collision) || (a == Action::Log && hook.event == Event::Fault) ||
-		(a == Action::Stop && (hook.event == Event::Fault || hook.event == Event::Collision)) ||
-		((a == Action::Force || a == Action::Damping || a == Action::Scale) && hook.event == Event::HapticTick);
-	if (!fits) f.refuse("do", f.text("do") + " cannot be done on " + f.text("on"));
-	if (a == Action::Record)
-	{
-		f.need("file");
-		hook.file = fileName(f.text("file"));
-		hook.place = placeOf(f, "file");
-		checkRecording(f, hook.file);
-	}
-	if (a == Action::Force) hook.force = f.vector("force", {}, 100);
-	if (a == Action::Damping)
-	{
-		hook.damping = f.number("damping", 0, 0, 1000);
-		hook.angularDamping = f.number("angularDamping", 0, 0, 1000);
-	}
-	if (a == Action::Scale) hook.factor = f.number("factor", 1, 0, 100);
-	m_scene.hooks.push_back(hook);
 }
 }  // namespace scenes

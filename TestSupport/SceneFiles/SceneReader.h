@@ -13,8 +13,9 @@ namespace scenes
 constexpr double kLargestLength = 1000;   // [m]
 constexpr double kSmallestLength = 1e-5;  // [m]
 constexpr double kLongestRun = 3600;      // [s]
+constexpr int kMostButtons = 32;
 
-/// Reads the JSON text of one scene. The first error is kept. Hands and hooks have the file SceneHandReader.cpp.
+/// Reads the JSON text of one scene. The first error is kept. Hands and hooks have files of their own.
 class SceneReader
 {
 public:
@@ -83,6 +84,8 @@ private:
 	void readCoupling(JsonFields f, SceneCoupling& coupling);
 	void readKeyFrame(JsonFields& f, SceneHand& hand);
 	void readHook(JsonFields& f);
+	void readSwitch(JsonFields& f, SceneHook& hook);
+	void readSwitchedPair(JsonFields& f, SceneHook& hook);
 	void checkRecording(JsonFields& f, const std::string& file);
 
 	const JsonSource& m_source;

@@ -175,7 +175,8 @@ def threads():
             drawing.line([(x + width / 2, top + height), (x + width / 2, top + height + 26)], BLUE, 1.5, True)
             drawing.text(x + width / 2, top + height + 42, event, 13, BLUE, "middle", "bold")
         if cause:
-            drawing.line([(x + width / 2, top + height + (52 if event else 0)), (x + width / 2, top + height + 92)], ORANGE, 1.2, False, "4 3")
+            middle, below = x + width / 2, top + height
+            drawing.line([(middle, below + (52 if event else 0)), (middle, below + 92)], ORANGE, 1.2, False, "4 3")
             drawing.text(x + width / 2, top + height + 110, cause, 11, ORANGE, "middle")
     low = top + height + 122
     drawing.line([(24 + step + width / 2, low), (24 + 6 * step + width / 2, low)], ORANGE, 1.2)

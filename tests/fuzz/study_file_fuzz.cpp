@@ -22,6 +22,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 	for (const scenes::StudyCondition& condition : s.conditions) require(!condition.scene.hands.empty(), "a scene has a hand");
 	for (const scenes::StudyEvent* event : {&s.begin, &s.end})
 		require(
-			event->button >= 0 && event->button < 32 && event->bodies.size() <= scenes::StudyEvent::kMostBodies, "an event can be seen");
+			event->button >= 1 && event->button <= 32 && event->bodies.size() <= scenes::StudyEvent::kMostBodies, "an event can be seen");
 	return 0;
 }

@@ -120,8 +120,8 @@ protected:
 	}
 	std::string buttonStudy(const std::string& recording) const
 	{
-		return R"({"schema": 1, "name": "s", "sampleRate": 1000, "timeLimit": 3, "waitLimit": 1, "begin": {"button": 1},
-			"end": {"button": 0}, "conditions": [{"name": "one", "scene": "scene.json", )" +
+		return R"({"schema": 1, "name": "s", "sampleRate": 1000, "timeLimit": 3, "waitLimit": 1, "begin": {"button": 2},
+			"end": {"button": 1}, "conditions": [{"name": "one", "scene": "scene.json", )" +
 			buttonScene(recording) + "}]}";
 	}
 
@@ -226,13 +226,13 @@ TEST_F(StudyFiles, SamplesHaveThePoseOfTheToolsMesh)
 
 TEST_F(StudyFiles, ButtonsBeginAndEndATrial)
 {
-	// Button 1 is held from the start, and counts when it is pressed anew; button 0 counts only after that.
+	// Button 2 is held from the start, and counts when it is pressed anew; button 1 counts only after that.
 	recordHand("hand.istdrec", {{0, 2}, {100, 1}, {200, 0}, {300, 2}, {350, 0}, {700, 1}, {900, 0}}, 2000);
 	const auto outcome = run(buttonStudy("hand.istdrec"));
 	ASSERT_TRUE(outcome) << outcome.error().message;
 	const auto trials = table("s-p1-trials.csv"), samples = table("s-p1-samples.csv");
 	ASSERT_EQ(trials.size(), 1u);
-	EXPECT_EQ(trials.front().at("ended_by"), "button 0");
+	EXPECT_EQ(trials.front().at("ended_by"), "button 1");
 	EXPECT_EQ(trials.front().at("right"), "");
 	EXPECT_NEAR(std::stod(trials.front().at("wait_s")), 0.3, 1e-6);
 	EXPECT_NEAR(std::stod(trials.front().at("duration_s")), 0.4, 1e-6);
@@ -250,7 +250,7 @@ TEST_F(StudyFiles, ATrialHasItsLimitsOfTime)
 	EXPECT_EQ(outcome.value().trials.front().endedBy, "time limit");
 	EXPECT_NEAR(outcome.value().trials.front().duration, 3, 1e-6);
 
-	outcome = run(studyOf(R"("begin": {"button": 0}, "waitLimit": 0.5, )"), 2);
+	outcome = run(studyOf(R"("begin": {"button": 1}, "waitLimit": 0.5, )"), 2);
 	ASSERT_TRUE(outcome) << outcome.error().message;
 	EXPECT_FALSE(outcome.value().ok());
 	EXPECT_EQ(outcome.value().trials.front().endedBy, "no begin");
@@ -334,7 +334,7 @@ TEST_F(StudyFiles, MistakesAreNamedWithLineAndField)
 	refused("{\"schema\": 1, \"timeLimit\": 3,\n\"end\": {\"contact\": [\"chair\"]},\n" + condition + "}]}",
 		"study.json:3: conditions[0].scene: no body of");
 	refused(R"({"schema": 1, "timeLimit": 3, "end": {}, )" + condition + "}]}", "end: wants one of button and contact");
-	refused(R"({"schema": 1, "timeLimit": 3, "end": {"button": 32}, )" + condition + "}]}", "end.button: wants a number from 0.0 to 31.0");
+	refused(R"({"schema": 1, "timeLimit": 3, "end": {"button": 33}, )" + condition + "}]}", "end.button: wants a number from 1.0 to 32.0");
 	refused(R"({"schema": 1, "timeLimit": 3, "name": "../s", )" + condition + "}]}", "name: names the results");
 	refused(studyOf("", R"(, "answer": "floor")"), "answer: floor is none of the bodies whose contact ends a trial");
 	refused(studyOf("", R"(}, {"name": "one", "scene": "scene.json")"), "conditions[1].name: another one is called one");

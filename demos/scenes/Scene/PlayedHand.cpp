@@ -46,6 +46,30 @@ std::vector<HandKeyFrame> framesInW(const SceneHand& scene, const Pose& X_MP, co
 
 void printAssumed(const std::string& assumed) { std::fprintf(stderr, "%s\n", assumed.c_str()); }
 
+/// Presses buttons as the path of the file says.
+class ScriptedButtons final : public DeviceDecorator
+{
+public:
+	ScriptedButtons(std::unique_ptr<Device> device, const std::vector<SceneKeyFrame>& path) : DeviceDecorator(std::move(device))
+	{
+		for (const SceneKeyFrame& frame : path) m_frames.push_back({static_cast<std::int64_t>(1e9 * frame.time), frame.buttons});
+	}
+	DeviceStatus read(std::int64_t now, DeviceState& state) noexcept override
+	{
+		const DeviceStatus status = m_inner->read(now, state);
+		if (m_start < 0) m_start = now;
+		while (m_next < m_frames.size() && now - m_start >= m_frames[m_next].first) m_held = m_frames[m_next++].second;
+		if (status == DeviceStatus::Ok) state.buttons |= m_held;
+		return status;
+	}
+
+private:
+	std::vector<std::pair<std::int64_t, std::uint32_t>> m_frames;  // time [ns], and the buttons held from then on
+	std::int64_t m_start = -1;
+	size_t m_next = 0;
+	std::uint32_t m_held = 0;
+};
+
 /// A simulated device with options, whose hand follows the path.
 std::optional<Error> openWithOptions(const SceneHand& scene, const Pose& X_MP, PlayedHand& hand)
 {
@@ -61,6 +85,7 @@ std::optional<Error> openWithOptions(const SceneHand& scene, const Pose& X_MP, P
 	std::vector<HandKeyFrame> frames = framesInW(scene, X_MP, hand.X_BW);
 	simulated->place(frames.front().pose);
 	simulated->setHand(handThrough(std::move(frames)));
+	hand.device = std::make_unique<TimedDevice>(std::make_unique<ScriptedButtons>(std::move(hand.device), scene.path));
 	hand.gains = gainsForDevice(hand.device->info(), kSceneTick, printAssumed);
 	return std::nullopt;
 }
@@ -91,7 +116,7 @@ std::optional<Error> openDevice(const SceneHand& scene, const Pose& X_MP, Played
 	}
 	device->open();
 	hand.gains = gainsForDevice(profile.value().info, kSceneTick, printAssumed);
-	hand.device = std::make_unique<TimedDevice>(std::move(device));
+	hand.device = std::make_unique<TimedDevice>(std::make_unique<ScriptedButtons>(std::move(device), scene.path));
 	return std::nullopt;
 }
 

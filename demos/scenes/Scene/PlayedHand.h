@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "DeviceBridge/Bullet/BulletContactSource.h"
 #include "DeviceBridge/Bullet/BulletHand.h"
 #include "DeviceBridge/Coupling/DeviceGains.h"
 #include "DeviceBridge/Decorators/DeviceDecorator.h"
@@ -67,6 +68,7 @@ struct PlayedHand
 	devicebridge::CouplingGains gains;
 	std::unique_ptr<devicebridge::BulletHand> parts;  ///< null: the hand has a tool
 	std::unique_ptr<devicebridge::ContactSource> source;
+	devicebridge::BulletContactSource* inLoop = nullptr;       ///< the source, if the hand has a tool and its loop owns the world
 	devicebridge::BulletDecoupledSource* decoupled = nullptr;  ///< the source, if the hand is beside the world
 	devicebridge::CouplingForceLaw coupling;
 	std::unique_ptr<devicebridge::ThreadedForceLaw> law;  ///< null: the force law runs in the tick

@@ -20,9 +20,11 @@ constexpr const char* kToolHeader =
 	",tool_x,tool_y,tool_z,tool_qx,tool_qy,tool_qz,tool_qw,force_x,force_y,force_z,torque_x,torque_y,torque_z";
 }  // namespace
 
-SceneHooks::SceneHooks(const Scene& scene, const SceneWorld& world, std::list<PlayedHand>& hands, std::int64_t begun, size_t ticks)
+SceneHooks::SceneHooks(
+	const Scene& scene, const SceneWorld& world, std::list<PlayedHand>& hands, SceneSwitches& switches, std::int64_t begun, size_t ticks)
 	: m_scene(scene),
 	  m_world(world),
+	  m_switches(switches),
 	  m_begun(begun)
 {
 	size_t number = 0;
@@ -32,6 +34,7 @@ SceneHooks::SceneHooks(const Scene& scene, const SceneWorld& world, std::list<Pl
 		events.hand = &hand;
 		if (!hand.parts) events.X_PM = inverse(world.body(hand.scene->tool).X_MP);
 		events.faults.reserve(kMostFaults);
+		events.switched.reserve(kMostSwitched);
 		addCounters(events, hands);
 		for (const SceneHook& hook : scene.hooks)
 			if (!hook.hand || *hook.hand == number) tie(events, hook, ticks);
@@ -44,11 +47,16 @@ void SceneHooks::tie(HandEvents& events, const SceneHook& hook, size_t ticks)
 	using Action = SceneHook::Action;
 	using Event = SceneHook::Event;
 	SteppingThread& thread = *events.hand->thread;
-	const auto stopAt = [this](const auto&) { stop(); };
+	if (hook.event == Event::Button) return tieToButton(events, hook);
 	switch (hook.action)
 	{
 	case Action::Record: return tieRecording(events, hook, ticks);
-	case Action::Count: thread.onCollision.addDelegate([&events](const ToolContact& contact) { count(events, contact); }); return;
+	case Action::Count:
+		thread.onCollision.addDelegate([this, &events, &hook](const ToolContact& contact) {
+			if (concerns(hook, contact)) count(events, contact);
+		});
+		return;
+	case Action::Switch: return tieSwitchToContact(events, hook);
 	case Action::Force:
 	case Action::Damping:
 	case Action::Scale: return tieToTick(events, hook);
@@ -59,10 +67,53 @@ void SceneHooks::tie(HandEvents& events, const SceneHook& hook, size_t ticks)
 		});
 		return;
 	case Action::Stop:
-		if (hook.event == Event::Fault) thread.onFault.addDelegate(stopAt);
-		else thread.onCollision.addDelegate(stopAt);
+		if (hook.event == Event::Fault) thread.onFault.addDelegate([this](const Fault&) { stop(); });
+		else
+			thread.onCollision.addDelegate([this, &hook](const ToolContact& contact) {
+				if (concerns(hook, contact)) stop();
+			});
 		return;
 	}
+}
+
+bool SceneHooks::concerns(const SceneHook& hook, const ToolContact& contact) const
+{
+	return !hook.body || m_world.body(*hook.body).body.get() == contact.other;
+}
+
+void SceneHooks::act(HandEvents& events, const SceneHook& hook, SceneSwitch* what) noexcept
+{
+	if (!what) return stop();
+	const bool on = m_switches.change(*what, hook.to);
+	if (events.switched.size() < kMostSwitched) events.switched.push_back({events.hand->thread->state().sampledAt, what, on});
+}
+
+/// A button that is held in the first sample has not been pressed.
+void SceneHooks::tieToButton(HandEvents& events, const SceneHook& hook)
+{
+	SceneSwitch* const what = m_switches.find(hook, *events.hand);
+	const std::uint32_t bit = 1u << (hook.button - 1);
+	std::uint32_t before = ~0u;
+	bool first = true;
+	events.hand->thread->onTransform.addDelegate([=, this, &events, &hook](const DeviceState& state) mutable {
+		const bool was = (before & bit) != 0, is = (state.buttons & bit) != 0;
+		if (!first && was != is && is == !hook.atEnd) act(events, hook, what);
+		before = state.buttons;
+		first = false;
+	});
+}
+
+void SceneHooks::tieSwitchToContact(HandEvents& events, const SceneHook& hook)
+{
+	SceneSwitch* const what = m_switches.find(hook, *events.hand);
+	Touch& touch = events.touches.emplace_back();
+	events.hand->thread->onCollision.addDelegate(
+		[this, &hook, &touch](const ToolContact& contact) { touch.now = touch.now || concerns(hook, contact); });
+	events.hand->thread->onHapticTick.addDelegate([this, &events, &hook, &touch, what](const DeviceState&, const Wrench&) {
+		if (touch.now != touch.was && touch.now == !hook.atEnd) act(events, hook, what);
+		touch.was = touch.now;
+		touch.now = false;
+	});
 }
 
 void SceneHooks::tieToTick(HandEvents& events, const SceneHook& hook)
@@ -151,6 +202,12 @@ std::string SceneHooks::textOf(const SceneHook& hook) const
 
 void SceneHooks::finish(SceneOutcome& outcome)
 {
+	std::vector<std::pair<std::int64_t, std::string>> switched;
+	const auto secondsAt = [this](std::int64_t at) {
+		char text[40];
+		std::snprintf(text, sizeof text, " at %.3f s", 1e-9 * static_cast<double>(at - m_begun));
+		return std::string(text);
+	};
 	for (const HandEvents& events : m_hands)
 	{
 		const std::string hand = m_scene.hands.size() > 1 ? events.hand->scene->name + ": " : "";
@@ -158,12 +215,14 @@ void SceneHooks::finish(SceneOutcome& outcome)
 			if (c.sum.ticks > 0) outcome.counts.push_back(c.sum);
 		for (const Fault& fault : events.faults)
 		{
-			char at[40];
-			std::snprintf(at, sizeof at, " at %.3f s", 1e-9 * static_cast<double>(fault.at - m_begun));
-			outcome.faults.push_back(hand + describe(fault.cause) + std::string(at));
+			outcome.faults.push_back(hand + describe(fault.cause) + secondsAt(fault.at));
 		}
+		for (const Switched& s : events.switched)
+			switched.push_back({s.at, hand + s.what->name + (s.on ? " on" : " off") + secondsAt(s.at)});
 		if (events.moreFaults > 0) outcome.faults.push_back(hand + "and " + std::to_string(events.moreFaults) + " more");
 	}
+	std::stable_sort(switched.begin(), switched.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+	for (const auto& [at, text] : switched) outcome.switched.push_back(text);
 	for (const SceneHook& hook : m_scene.hooks)
 		if (hook.action == SceneHook::Action::Record && !writeTextFile(hook.file, textOf(hook))) outcome.unwritten.push_back(hook.file);
 }

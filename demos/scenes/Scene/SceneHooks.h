@@ -2,7 +2,7 @@
 #pragma once
 
 #include "DeviceBridge/Loop/SteppingThread.h"
-#include "demos/scenes/Scene/PlayedHand.h"
+#include "demos/scenes/Scene/SceneSwitches.h"
 
 #include <list>
 
@@ -15,7 +15,8 @@ class SceneHooks
 public:
 	/// `begun` is the start of the run on the clock of the loops, and `ticks` the capacity of a recording. The arguments must outlive this
 	/// object.
-	SceneHooks(const Scene& scene, const SceneWorld& world, std::list<PlayedHand>& hands, std::int64_t begun, size_t ticks);
+	SceneHooks(const Scene& scene, const SceneWorld& world, std::list<PlayedHand>& hands, SceneSwitches& switches, std::int64_t begun,
+		size_t ticks);
 	SceneHooks(const SceneHooks&) = delete;
 	SceneHooks& operator=(const SceneHooks&) = delete;
 
@@ -45,6 +46,17 @@ private:
 		const devicebridge::BulletHand* parts;
 		SceneContactCount sum;
 	};
+	/// A contact whose beginning or end is an event.
+	struct Touch
+	{
+		bool now = false, was = false;
+	};
+	struct Switched
+	{
+		std::int64_t at;
+		const SceneSwitch* what;
+		bool on;
+	};
 	/// What happened to one hand.
 	struct HandEvents
 	{
@@ -52,10 +64,12 @@ private:
 		ist::Pose X_PM;  // pose of the tool's mesh frame
 		std::vector<Counter> counters;
 		std::list<Recording> recordings;
+		std::list<Touch> touches;
+		std::vector<Switched> switched;
 		std::vector<devicebridge::Fault> faults;
 		std::uint64_t moreFaults = 0;
 	};
-	static constexpr size_t kMostFaults = 64;
+	static constexpr size_t kMostFaults = 64, kMostSwitched = 256;
 
 	void tie(HandEvents& events, const SceneHook& hook, size_t ticks);
 	void tieToTick(HandEvents& events, const SceneHook& hook);
@@ -63,9 +77,15 @@ private:
 	void addCounters(HandEvents& events, const std::list<PlayedHand>& hands) const;
 	static void count(HandEvents& events, const devicebridge::ToolContact& contact);
 	std::string textOf(const SceneHook& hook) const;
+	void tieToButton(HandEvents& events, const SceneHook& hook);
+	void tieSwitchToContact(HandEvents& events, const SceneHook& hook);
+	/// Stops, or switches.
+	void act(HandEvents& events, const SceneHook& hook, SceneSwitch* what) noexcept;
+	bool concerns(const SceneHook& hook, const devicebridge::ToolContact& contact) const;
 
 	const Scene& m_scene;
 	const SceneWorld& m_world;
+	SceneSwitches& m_switches;
 	std::int64_t m_begun;
 	std::list<HandEvents> m_hands;
 	std::atomic<bool> m_stop{false};

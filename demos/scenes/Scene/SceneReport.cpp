@@ -136,6 +136,7 @@ std::vector<std::vector<std::string>> summaryRows(const SceneOutcome& o)
 	std::vector<std::vector<std::string>> rows = {
 		{"Result", o.ok() ? "ok" : "FAILED", ""}, {"Scene", o.scene.name, ""}, {"Topology", nameOf(o.scene.topology), ""}};
 	for (const SceneHandRun& hand : o.hands) addRows(o, hand, prefixOf(o, hand), rows);
+	for (const std::string& what : o.switched) rows.push_back({"Switched", what, ""});
 	for (const std::string& fault : o.faults) rows.push_back({"Fault", fault, ""});
 	for (const std::string& file : o.unwritten) rows.push_back({"Recording that could not be written", file, ""});
 	if (o.stopped) rows.push_back({"Ended early", "by a hook", ""});
@@ -164,6 +165,7 @@ std::string makeJson(const SceneOutcome& o)
 	if (!hands.empty())
 		for (const auto& [name, value] : hands.front().fields()) json[name] = value;
 	json["hands"] = hands;
+	json["switched"] = o.switched;
 	json["faults"] = o.faults;
 	json["unwritten"] = o.unwritten;
 	json["contacts"] = Json::list();

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/Scene/SceneRun.h"
 
-#include "DeviceBridge/Bullet/BulletContactSource.h"
 #include "DeviceBridge/Bullet/BulletHandSource.h"
 #include "DeviceBridge/Bullet/BulletWorldCoupling.h"
 #include "DeviceBridge/Loop/StopSignals.h"
 #include "demos/scenes/Scene/PlayedHand.h"
 #include "demos/scenes/Scene/SceneHooks.h"
+#include "demos/scenes/Scene/SceneSwitches.h"
 
 #include <algorithm>
 #include <chrono>
@@ -46,9 +46,10 @@ using Hands = std::list<PlayedHand>;
 class WorldBeside
 {
 public:
-	WorldBeside(SceneWorld& world, Hands& hands, Clock& clock, double rate)
+	WorldBeside(SceneWorld& world, Hands& hands, SceneSwitches& switches, Clock& clock, double rate)
 		: m_coupling(world.world()),
 		  m_hands(hands),
+		  m_switches(switches),
 		  m_clock(clock),
 		  m_period(1 / rate)
 	{
@@ -95,12 +96,14 @@ private:
 	std::int64_t due() const { return m_start + static_cast<std::int64_t>(1e9 * m_period * static_cast<double>(m_steps + 1)); }
 	void step()
 	{
+		m_switches.applyToWorld();
 		m_coupling.step(m_period);
 		++m_steps;
 	}
 
 	BulletWorldCoupling m_coupling;
 	Hands& m_hands;
+	SceneSwitches& m_switches;
 	Clock& m_clock;
 	double m_period;
 	std::int64_t m_start = 0, m_steps = 0;
@@ -143,6 +146,7 @@ private:
 	std::unique_ptr<Clock> m_clock;
 	Hands m_hands;
 	std::vector<SteppingThread*> m_loops;  // of one thread: that of the first hand
+	std::unique_ptr<SceneSwitches> m_switches;
 	std::unique_ptr<WorldBeside> m_beside;
 };
 
@@ -160,7 +164,8 @@ std::optional<Error> Performance::prepare()
 		makeSource(hand);
 		if (auto refused = makeLoop(hand)) return refused;
 	}
-	if (!isOneThread()) m_beside = std::make_unique<WorldBeside>(m_world, m_hands, *m_clock, m_scene.worldRate);
+	m_switches = std::make_unique<SceneSwitches>(m_scene, m_world, m_hands);
+	if (!isOneThread()) m_beside = std::make_unique<WorldBeside>(m_world, m_hands, *m_switches, *m_clock, m_scene.worldRate);
 	return std::nullopt;
 }
 
@@ -178,7 +183,9 @@ void Performance::makeSource(PlayedHand& hand)
 		settings.gains = hand.gains;
 		settings.X_BW = hand.X_BW;
 		settings.gravity = hand.scene->toolGravity;
-		hand.source = std::make_unique<BulletContactSource>(m_world.world(), *tool.body, settings);
+		auto source = std::make_unique<BulletContactSource>(m_world.world(), *tool.body, settings);
+		hand.inLoop = source.get();
+		hand.source = std::move(source);
 		return;
 	}
 	BulletDecoupledSettings settings;
@@ -289,7 +296,7 @@ Result<bool> Performance::performInRealTime()
 
 std::optional<Error> Performance::play(SceneOutcome& outcome)
 {
-	SceneHooks hooks(m_scene, m_world, m_hands, m_clock->now(), m_ticks);
+	SceneHooks hooks(m_scene, m_world, m_hands, *m_switches, m_clock->now(), m_ticks);
 	SteppingThread& first = *m_hands.front().thread;
 	if (m_options.listener)
 		first.onHapticTick.addDelegate([&](const DeviceState&, const Wrench&) {

@@ -65,6 +65,7 @@ struct SceneOutcome
 	std::vector<SceneHandRun> hands;  ///< in the order of the scene's hands
 	std::vector<SceneContactCount> counts;
 	std::vector<std::string> faults;
+	std::vector<std::string> switched;   ///< what hooks switched, in the order of time: "friction off at 1.003 s"
 	std::vector<std::string> unwritten;  ///< recordings that could not be written
 
 	/// True when all values are finite, no fault remains, no tick is missing at the end, and all recordings were written.

@@ -68,7 +68,7 @@ private:
 		JsonFields f(m_source, *object, name, m_problem);
 		if (f.has("button") == f.has("contact")) f.refuse("", "wants one of button and contact");
 		event.kind = f.has("button") ? StudyEvent::Kind::Button : StudyEvent::Kind::Contact;
-		event.button = static_cast<int>(f.whole("button", 0, 0, 31));
+		event.button = static_cast<int>(f.whole("button", 1, 1, 32));
 		const Json* bodies = f.list("contact");
 		for (size_t i = 0; bodies && i < bodies->size() && !m_problem; ++i)
 		{

@@ -19,7 +19,7 @@ struct StudyEvent
 		Contact  ///< the tool touches a body that it did not touch in the tick before
 	};
 	Kind kind = Kind::None;
-	int button = 0;
+	int button = 1;                   ///< number of the button, from 1 to 32
 	std::vector<std::string> bodies;  ///< for a contact, at most kMostBodies of them; empty: any body
 	static constexpr size_t kMostBodies = 64;
 };

@@ -22,7 +22,7 @@ struct StudyTrial
 	int block = 0, number = 0;  ///< number of the repetition and of the trial, from 1
 	size_t condition = 0;
 	double wait = 0, duration = 0;       ///< time before the trial began, and its duration [s]
-	std::string endedBy;                 ///< "button 0", the name of a body, "time limit", "no begin" or "device"
+	std::string endedBy;                 ///< "button 1", the name of a body, "time limit", "no begin" or "device"
 	double meanForce = 0, maxForce = 0;  ///< force that was sent to the hand [N]
 	double path = 0, contact = 0;        ///< way of the hand [m]; time in which the tool touched something [s]
 	bool faulted = false;                ///< a fault kept the force of a hand at zero at the end

@@ -11,7 +11,7 @@ bool TrialWatch::happens(const StudyEvent& event, Seen& seen, SteppingThread& th
 {
 	if (event.kind == StudyEvent::Kind::Button)
 	{
-		const bool pressed = (thread.state().buttons >> event.button & 1U) != 0, now = pressed && !seen.pressed;
+		const bool pressed = (thread.state().buttons >> (event.button - 1) & 1U) != 0, now = pressed && !seen.pressed;
 		seen.pressed = pressed;
 		return now;
 	}

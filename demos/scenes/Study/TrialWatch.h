@@ -20,7 +20,7 @@ public:
 	/// Numbers of the ticks in which the trial began and ended; negative: it did not.
 	std::int64_t beginTick() const { return m_begin; }
 	std::int64_t endTick() const { return m_end; }
-	/// What ended the trial: "button 0", the name of a body, "time limit", "no begin", or empty where the run ended before.
+	/// What ended the trial: "button 1", the name of a body, "time limit", "no begin", or empty where the run ended before.
 	std::string endedBy() const;
 
 private:
