@@ -17,7 +17,7 @@ const char* const kDemoUsage =
 	"  --scene FILE     run a scene file (data/scenes); of the options below, those of the mesh and the world do not go with it\n"
 	"  --study FILE     run the trials of a study (data/studies) with --participant N, its number from 1\n"
 	"  --device ADDRESS of --study: the device in place of that of the scenes\n"
-	"  --results FOLDER where --study writes its two CSV files (default: the current folder)\n"
+	"  --results FOLDER where --study writes its two CSV files, made where it is missing (default: the current folder)\n"
 	"  --paper-figures DIR  rates of force and contact of three scenes, in real time: a page and CSV files\n"
 	"  --scenes FOLDER  where --paper-figures and --demo assembly find their scenes (default data/scenes, from the current folder)\n"
 	"  --mesh FILE      mesh to use (default: the bunny of glmark2-data; of the browser's demos, a shape of their own); a damaged OFF or "

@@ -187,6 +187,8 @@ int runStudyFile(const DemoArguments& a)
 	const ist::Result<scenes::Study> study = scenes::loadStudy(a.study, a.device);
 	if (!study) return say(study.error().message), 1;
 	const scenes::StudyRunOptions options{{{a.cache, showProgress, say}, a.virtualTime, {}}, a.participant, a.results};
+	std::error_code ignored;  // the study says whether it can write there
+	std::filesystem::create_directories(a.results, ignored);
 	const ist::Result<scenes::StudyOutcome> outcome = scenes::runStudy(study.value(), options);
 	if (!outcome) return say(outcome.error().message), 1;
 	scenes::printOutcome(a, outcome.value());

@@ -73,6 +73,8 @@ assert r['schema'] == 1 and r['ok'] is True and r['participant'] == 7 and len(r[
 trials, samples = list(csv.DictReader(open(r['trials_file']))), list(csv.DictReader(open(r['samples_file'])))
 assert trials[0]['device'] == 'sigma.7' and trials[0]['participant'] == '7' and len(samples) == 11, (trials, len(samples))
 " || failures=$((failures + 1))
+expect "a study makes its folder" 0 "" "${study[@]}" --participant 1 --results "$dir/new/folder"
+[ -s "$dir/new/folder/one-p1-trials.csv" ] || { echo "FAILED: no results in a new folder"; failures=$((failures + 1)); }
 expect "a study replaces no results" 1 "$dir/one-p7-trials.csv is there already" "${study[@]}" --participant 7
 expect "a study says the participant's trials" 0 "" "${study[@]}" --participant 8
 grep -q "^Trial 1, a *0.1 s, ended by time limit$" "$dir/out" || { echo "FAILED: a study's table"; failures=$((failures + 1)); }
