@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/DemoArguments.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -10,11 +11,15 @@
 namespace scenes
 {
 const char* const kDemoUsage =
-	"usage: haptic_demos [--demo NAME] [options] | --list | --version | --scene FILE [options] | --paper-figures DIR | --gallery DIR\n"
+	"usage: haptic_demos [--demo NAME] [options] | --list | --version | --scene FILE [options] | --study FILE --participant N [options] | "
+	"--paper-figures DIR | --gallery DIR\n"
 	"without a demo, or with one of the browser's and without --headless, a window opens\n"
 	"  --scene FILE     run a scene file (data/scenes); of the options below, those of the mesh and the world do not go with it\n"
+	"  --study FILE     run the trials of a study (data/studies) with --participant N, its number from 1\n"
+	"  --device ADDRESS of --study: the device in place of that of the scenes\n"
+	"  --results FOLDER where --study writes its two CSV files, made where it is missing (default: the current folder)\n"
 	"  --paper-figures DIR  rates of force and contact of three scenes, in real time: a page and CSV files\n"
-	"  --scenes FOLDER  where --paper-figures finds its scenes (default data/scenes, from the current folder)\n"
+	"  --scenes FOLDER  where --paper-figures and --demo assembly find their scenes (default data/scenes, from the current folder)\n"
 	"  --mesh FILE      mesh to use (default: the bunny of glmark2-data; of the browser's demos, a shape of their own); a damaged OFF or "
 	"PLY file may end the program: try it with `ist build` first\n"
 	"  --unit METRES    metres per unit of the file, in place of the one that it states (default: the longest side becomes 0.2 m; of "
@@ -65,14 +70,17 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 			if (given.count(name)) return with + " goes without " + name + ": " + why;
 		return std::string();
 	};
-	const bool grasps = a.demo == "grasps" || a.demo == "grasp-load" || a.demo == "grasp-compare";
-	const bool others = given.count("--scene") || given.count("--paper-figures") || a.demo == "haptic-bunny" || a.demo == "bunny-query" ||
-		a.demo == "continuity" || grasps;
+	const bool grasps = a.demo == "grasps" || a.demo == "grasp-load" || a.demo == "grasp-compare" || a.demo == "assembly";
+	const bool others = given.count("--scene") || given.count("--study") || given.count("--paper-figures") || a.demo == "haptic-bunny" ||
+		a.demo == "bunny-query" || a.demo == "continuity" || grasps;
+	std::vector<std::string> foreign = kOfTheBrowser;
+	if (given.count("--study")) foreign.erase(std::find(foreign.begin(), foreign.end(), "--device"));
 	if (others)
 		if (std::string wrong = clash(given.count("--scene") ? "--scene"
+					: given.count("--study")                 ? "--study"
 					: a.demo.empty()                         ? "--paper-figures"
 															 : "--demo " + a.demo,
-				kOfTheBrowser, "only the browser's demos know it");
+				foreign, "only the browser's demos know it");
 			!wrong.empty())
 			return wrong;
 	if (!others)
@@ -91,7 +99,15 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 		return clash("--paper-figures",
 			{"--scene", "--demo", "--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate", "--report"},
 			"it runs its own scenes in real time and writes its own page");
-	if (given.count("--scenes")) return "--scenes goes with --paper-figures";
+	if (given.count("--scenes") && a.demo != "assembly") return "--scenes goes with --paper-figures and --demo assembly";
+	if (given.count("--study"))
+	{
+		if (!given.count("--participant")) return "--study needs --participant N, which decides the order of the conditions";
+		return clash("--study", {"--scene", "--demo", "--mesh", "--unit", "--spheres", "--decoupled", "--world-rate", "--report"},
+			"the file says all that, and the results are two CSV files");
+	}
+	for (const char* name : {"--participant", "--results"})
+		if (given.count(name)) return std::string(name) + " goes with --study";
 	if (given.count("--scene"))
 		return clash("--scene", {"--demo", "--mesh", "--unit", "--spheres", "--decoupled", "--world-rate"}, "the file says all that");
 	if (a.demo == "continuity")
@@ -153,17 +169,17 @@ void readContactCache(const std::string& contactCache, DemoArguments& a)
 DemoArguments parseDemoArguments(int argc, char** argv)
 {
 	DemoArguments a;
-	std::string unit, spheres, worldRate, frames, dt, size, contactCache, forceError;
+	std::string unit, spheres, worldRate, participant, frames, dt, size, contactCache, forceError;
 	std::set<std::string> given;
 	const std::map<std::string, bool*> flags = {{"--list", &a.list}, {"--version", &a.version}, {"--help", &a.help}, {"-h", &a.help},
 		{"--json", &a.json}, {"--headless", &a.headless}, {"--virtual-time", &a.virtualTime}, {"--decoupled", &a.decoupled},
 		{"--beside-stock", &a.besideStock}, {"--forces", &a.forces}};
-	const std::map<std::string, std::string*> values = {{"--demo", &a.demo}, {"--scene", &a.scene}, {"--paper-figures", &a.paperFigures},
-		{"--mesh", &a.mesh}, {"--report", &a.report}, {"--cache", &a.cache}, {"--scenes", &a.scenes}, {"--unit", &unit},
-		{"--spheres", &spheres}, {"--world-rate", &worldRate}, {"--frames", &frames}, {"--dt", &dt}, {"--size", &size},
-		{"--economy", &contactCache}, {"--force-error", &forceError}, {"--screenshot", &a.screenshot}, {"--record", &a.record},
-		{"--gallery", &a.gallery}, {"--window-screenshot", &a.windowScreenshot}, {"--device", &a.device}, {"--show", &a.show},
-		{"--save-scene", &a.saveScene}};
+	const std::map<std::string, std::string*> values = {{"--demo", &a.demo}, {"--scene", &a.scene}, {"--study", &a.study},
+		{"--participant", &participant}, {"--results", &a.results}, {"--paper-figures", &a.paperFigures}, {"--mesh", &a.mesh},
+		{"--report", &a.report}, {"--cache", &a.cache}, {"--scenes", &a.scenes}, {"--unit", &unit}, {"--spheres", &spheres},
+		{"--world-rate", &worldRate}, {"--frames", &frames}, {"--dt", &dt}, {"--size", &size}, {"--economy", &contactCache},
+		{"--force-error", &forceError}, {"--screenshot", &a.screenshot}, {"--record", &a.record}, {"--gallery", &a.gallery},
+		{"--window-screenshot", &a.windowScreenshot}, {"--device", &a.device}, {"--show", &a.show}, {"--save-scene", &a.saveScene}};
 	for (int i = 1; i < argc && a.error.empty(); ++i)
 	{
 		const std::string name = argv[i];
@@ -184,6 +200,7 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 	if (!worldRate.empty()) a.worldRate = positiveNumber(worldRate);
 	if (!(a.worldRate >= 1 && a.worldRate <= 1000)) a.error = "--world-rate must be between 1 and 1000 Hz, not " + worldRate;
 	if (!worldRate.empty() && !a.decoupled) a.error = "--world-rate goes with --decoupled";
+	if (!participant.empty()) a.participant = static_cast<int>(integerArgument("--participant", participant, a));
 	readBrowserNumbers(frames, dt, size, a);
 	readContactCache(contactCache, a);
 	readForceError(forceError, a);

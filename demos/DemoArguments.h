@@ -10,10 +10,11 @@ struct DemoArguments
 	static constexpr const char* kDefaultMesh = "/usr/share/glmark2/models/bunny.obj";
 
 	bool list = false, version = false, help = false, json = false, virtualTime = false, decoupled = false;
-	std::string demo, scene, paperFigures, mesh = kDefaultMesh, report, cache = ".", scenes = "data/scenes";
+	std::string demo, scene, study, results = ".", paperFigures, mesh = kDefaultMesh, report, cache = ".", scenes = "data/scenes";
 	double unit = 0;
 	double worldRate = 60;
 	long long spheres = 10000;
+	int participant = 0;  ///< of a study, from 1
 	bool meshGiven = false, spheresGiven = false;
 	// Of the browser's demos.
 	bool headless = false, sizeGiven = false, besideStock = false, forces = false;

@@ -14,13 +14,19 @@ void endProgress();
 /// A message for people.
 void say(const std::string& text);
 
-/// Prints what a demo found, in the form that was asked for, and writes its report. Returns the exit code.
-template <class Outcome> int present(const DemoArguments& a, const Outcome& outcome)
+/// Prints what a demo found, in the form that was asked for.
+template <class Outcome> void printOutcome(const DemoArguments& a, const Outcome& outcome)
 {
 	endProgress();
 	if (a.json) std::printf("%s\n", makeJson(outcome).c_str());
 	else
 		for (const auto& row : summaryRows(outcome)) std::printf("%-44s %12s %s\n", row[0].c_str(), row[1].c_str(), row[2].c_str());
+}
+
+/// The same, and writes its report. Returns the exit code.
+template <class Outcome> int present(const DemoArguments& a, const Outcome& outcome)
+{
+	printOutcome(a, outcome);
 	if (a.report.empty()) return 0;
 	if (!makeReport(outcome).write(a.report))
 	{

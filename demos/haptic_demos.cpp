@@ -4,6 +4,7 @@
 #include "demos/BrowserRun.h"
 #include "demos/DemoArguments.h"
 #include "demos/Present.h"
+#include "demos/scenes/Assembly/AssemblyReport.h"
 #include "demos/scenes/Carry/CarryReport.h"
 #include "demos/scenes/Extremes/Continuity.h"
 #include "demos/scenes/Grasp/GraspLoad.h"
@@ -14,6 +15,7 @@
 #include "demos/scenes/Pages/ZWidthPage.h"
 #include "demos/scenes/Scene/PaperFigures.h"
 #include "demos/scenes/Scene/SceneReport.h"
+#include "demos/scenes/Study/StudyRun.h"
 #include "demos/scenes/Truth/MeshToQuery.h"
 
 #include <cstdio>
@@ -139,6 +141,17 @@ int runGraspCompare(const DemoArguments& a)
 	return outcome.value().ok() ? presented : 1;
 }
 
+int runAssembly(const DemoArguments& a)
+{
+	scenes::AssemblyOptions options;
+	options.build = {a.cache, showProgress, {}};
+	options.scenes = a.scenes;
+	const auto outcome = scenes::runAssemblyReport(options);
+	if (!outcome) return say(outcome.error().message), 1;
+	const int presented = present(a, outcome.value());
+	return outcome.value().ok() ? presented : 1;
+}
+
 int runHapticBunny(const DemoArguments& a)
 {
 	scenes::HapticBunnyOptions options;
@@ -161,7 +174,7 @@ int runSceneFile(const DemoArguments& a)
 {
 	const ist::Result<scenes::Scene> scene = scenes::loadScene(a.scene);
 	if (!scene) return say(scene.error().message), 1;
-	const scenes::SceneRunOptions options{{a.cache, showProgress, say}, a.virtualTime};
+	const scenes::SceneRunOptions options{{a.cache, showProgress, say}, a.virtualTime, {}};
 	const ist::Result<scenes::SceneOutcome> outcome = scenes::runScene(scene.value(), options);
 	if (!outcome) return say(outcome.error().message), 1;
 	const int presented = present(a, outcome.value());
@@ -169,12 +182,26 @@ int runSceneFile(const DemoArguments& a)
 	return outcome.value().ok() ? presented : 1;
 }
 
+int runStudyFile(const DemoArguments& a)
+{
+	const ist::Result<scenes::Study> study = scenes::loadStudy(a.study, a.device);
+	if (!study) return say(study.error().message), 1;
+	const scenes::StudyRunOptions options{{{a.cache, showProgress, say}, a.virtualTime, {}}, a.participant, a.results};
+	std::error_code ignored;  // the study says whether it can write there
+	std::filesystem::create_directories(a.results, ignored);
+	const ist::Result<scenes::StudyOutcome> outcome = scenes::runStudy(study.value(), options);
+	if (!outcome) return say(outcome.error().message), 1;
+	scenes::printOutcome(a, outcome.value());
+	if (outcome.value().interrupted) return 130;
+	return outcome.value().ok() ? 0 : 1;
+}
+
 int runPaperFigures(const DemoArguments& a)
 {
 	std::vector<std::string> files;
 	for (const char* name : {"bunny.json", "crown.json", "sword-and-ring.json"})
 		files.push_back((std::filesystem::path(a.scenes) / name).string());
-	const auto scenes = scenes::runPaperFigures(files, {{a.cache, showProgress, say}, false});
+	const auto scenes = scenes::runPaperFigures(files, {{a.cache, showProgress, say}, false, {}});
 	if (!scenes) return say(scenes.error().message), scenes.error().cancelled ? 130 : 1;
 	std::error_code ignored;
 	std::filesystem::create_directories(a.paperFigures, ignored);
@@ -220,16 +247,19 @@ int run(int argc, char** argv)
 		std::printf("grasp-load    time of a tick while a hand of 80,000 spheres holds an object of 10,000\n");
 		std::printf("grasp-compare one hand against two, 3 against 6 degrees of freedom: a beam with a nut and a ring on it is carried to "
 					"its place\n");
+		std::printf("assembly      one hand against two, 3 against 6 degrees of freedom: a peg is carried and put into a tube\n");
 		std::printf("of the browser, which opens without --headless:\n");
 		scenes::listBrowserDemos();
 		return 0;
 	}
 	if (!a.scene.empty()) return runSceneFile(a);
+	if (!a.study.empty()) return runStudyFile(a);
 	if (!a.paperFigures.empty()) return runPaperFigures(a);
 	if (a.demo == "haptic-bunny") return runHapticBunny(a);
 	if (a.demo == "continuity") return runContinuity(a);
 	if (a.demo == "grasps") return runGrasps(a);
 	if (a.demo == "grasp-load") return runGraspLoad(a);
+	if (a.demo == "assembly") return runAssembly(a);
 	if (a.demo == "grasp-compare") return runGraspCompare(a);
 	if (a.demo == "z-width") return runZWidth(a);
 	if (a.demo == "safety") return runSafety(a);

@@ -30,6 +30,7 @@ struct RunArguments
 	double stiffness = -1;  ///< stiffness of the wall that fills z < 0 [N/m]; negative: half of what the device bears
 	double rate = 10;       ///< rate of the lines of `monitor` [Hz]
 	bool realTime = false, json = false;
+	bool withoutForces = false;  ///< `acceptance` leaves out the parts that need forces
 };
 
 struct ZWidthArguments
@@ -56,6 +57,7 @@ int runReplay(const RunArguments& arguments);
 int runZWidth(const ZWidthArguments& arguments);
 int runCalibrate(const RunArguments& arguments);
 int runSelfTest(const RunArguments& arguments);
+int runAcceptance(const RunArguments& arguments);
 
 /// A report that begins with "schema":1.
 Report newReport();

@@ -48,6 +48,10 @@ public:
 			"calibrate", "Fit a data glove to the hand that wears it, from two poses", [this] { return runCalibrate(m_run); });
 		calibrate->add_option("uri", m_run.uri, "address of the glove, for instance glove:/dev/ttyUSB0")->required();
 		calibrate->add_option("-o,--output", m_run.output, "calibration to write")->required();
+		CLI::App* acceptance = addRun("acceptance", "Walk a person through a device, and write a file to send", runAcceptance, false);
+		acceptance->add_option("-o,--output", m_run.output, "file to write (JSON)")->required();
+		acceptance->add_flag("--without-forces", m_run.withoutForces, "leave out the parts that need forces");
+		acceptance->add_flag("--real-time", m_run.realTime, "run a simulated device by the clock on the wall, too");
 		addZWidth();
 	}
 

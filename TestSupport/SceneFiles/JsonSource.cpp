@@ -3,6 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <system_error>
 #include <utility>
 
 using ist::Error;
@@ -14,6 +19,7 @@ namespace scenes
 namespace
 {
 constexpr int kDeepest = 32;
+constexpr size_t kLongestPath = 200;  // of a path that is replaced, which bounds how deep it leads
 
 /// Walks over text that is known to be JSON, and records the line of every value.
 class Places
@@ -102,6 +108,34 @@ private:
 	size_t m_at;
 	int m_line = 1;
 };
+
+/// A copy of `from` in which the value at `rest`, the remainder of a path, is `value`. `why` says what is wrong with the path.
+Json replaced(const Json& from, std::string rest, Json value, std::string& why)
+{
+	if (rest.empty()) return value;
+	if (rest[0] != '[')
+	{
+		rest.erase(0, rest[0] == '.' ? 1 : 0);
+		const size_t end = std::min(rest.find_first_of(".["), rest.size());
+		const std::string name = rest.substr(0, end);
+		if (name.empty()) why = "is no path such as bodies[0].asset";
+		else if (!from.isObject() && !from.isNull()) why = "is a field of what is no object";
+		if (!why.empty()) return from;
+		Json copy = from.isNull() ? Json::object() : from;
+		copy[name] = replaced(from[name], rest.substr(end), std::move(value), why);
+		return copy;
+	}
+	const size_t end = rest.find(']');
+	const std::string digits = end == std::string::npos ? "" : rest.substr(1, end - 1);
+	const bool whole = !digits.empty() && digits.size() < 9 && digits.find_first_not_of("0123456789") == std::string::npos;
+	if (!whole) why = "is no path such as bodies[0].asset";
+	else if (!from.isList() || std::stoul(digits) >= from.size()) why = "is an element that is not there";
+	if (!why.empty()) return from;
+	Json copy = Json::list();
+	for (size_t i = 0; i < from.size(); ++i)
+		copy.append(i == std::stoul(digits) ? replaced(from[i], rest.substr(end + 1), std::move(value), why) : from[i]);
+	return copy;
+}
 }  // namespace
 
 ist::Result<JsonSource> JsonSource::parse(const std::string& name, const std::string& text)
@@ -116,6 +150,32 @@ ist::Result<JsonSource> JsonSource::parse(const std::string& name, const std::st
 	source.m_lines = std::move(places.lines);
 	if (!places.problem.empty()) return source.problem(places.problemAt, places.problem);
 	return source;
+}
+
+ist::Result<JsonSource> JsonSource::load(const std::string& path)
+{
+	const Error unreadable{path + ": cannot be read"};
+	std::error_code failed;
+	if (!std::filesystem::is_regular_file(path, failed)) return unreadable;
+	std::ifstream file(path, std::ios::binary);
+	std::ostringstream text;
+	if (!file.is_open() || (file.peek() != std::ifstream::traits_type::eof() && !(text << file.rdbuf())) || file.bad()) return unreadable;
+	return parse(path, text.str());
+}
+
+std::optional<Error> JsonSource::replace(const std::string& path, Json value)
+{
+	std::string why;
+	if (path.empty() || path.size() > kLongestPath) why = "is no path such as bodies[0].asset";
+	Json root = why.empty() ? replaced(m_root, path, std::move(value), why) : Json();
+	if (!why.empty()) return Error{"\"" + path + "\" " + why};
+	m_root = std::move(root);
+	for (auto line = m_lines.lower_bound(path + "."); line != m_lines.end() && line->first.compare(0, path.size(), path) == 0;)
+	{
+		const char next = line->first[path.size()];
+		line = next == '.' || next == '[' ? m_lines.erase(line) : std::next(line);
+	}
+	return std::nullopt;
 }
 
 Error JsonSource::problem(const std::string& path, const std::string& problem) const

@@ -20,8 +20,13 @@ public:
 	/// Parses a text. Refused, with name and line: text that is not JSON, an object with the same field twice, and nesting beyond 32
 	/// levels.
 	static ist::Result<JsonSource> parse(const std::string& name, const std::string& text);
+	/// Reads and parses a file, whose path is the name.
+	static ist::Result<JsonSource> load(const std::string& path);
 
 	const ist::JsonValue& root() const { return m_root; }
+	/// Replaces the value at a path, or adds a field that is not there. Returns why not: a path that is not of the form above, an element
+	/// that the list lacks, a field of what is no object. Problems of the new value have the line of the old one.
+	std::optional<ist::Error> replace(const std::string& path, ist::JsonValue value);
 	/// `NAME:14: bodies[2].mass: PROBLEM`; of a path that is not there, the line of the innermost one that is.
 	ist::Error problem(const std::string& path, const std::string& problem) const;
 

@@ -7,8 +7,6 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <system_error>
 
 using namespace ist;
@@ -105,7 +103,7 @@ void SceneReader::readAsset(JsonFields& f)
 
 Mesh SceneReader::readShape(JsonFields& f)
 {
-	const int shape = f.choice("shape", 0, {"box", "sphere", "capsule", "cylinder", "ring", "crown", "sword"});
+	const int shape = f.choice("shape", 0, {"box", "sphere", "capsule", "cylinder", "ring", "crown", "sword", "tube"});
 	if (shape == 0)
 	{
 		const Vec3 half = f.vector("halfExtents", {0.05, 0.05, 0.05}, kLargestLength);
@@ -125,7 +123,20 @@ Mesh SceneReader::readShape(JsonFields& f)
 		if (!(tube < radius)) f.refuse("tubeRadius", "wants less than the radius of the ring");
 		return makeTorusMesh(radius, tube);
 	}
+	if (shape == 7) return readTube(f);
 	return shape == 5 ? readCrown(f) : makeSwordMesh();
+}
+
+Mesh SceneReader::readTube(JsonFields& f)
+{
+	TubeShape tube;
+	tube.radius = length(f, "radius", tube.radius);
+	tube.wall = length(f, "wall", tube.wall);
+	tube.halfLength = length(f, "halfLength", tube.halfLength);
+	tube.chamfer = f.number("chamfer", 0, 0, kLargestLength);
+	if (!(tube.wall < tube.radius)) f.refuse("wall", "wants less than the radius");
+	if (!(tube.chamfer < tube.wall && tube.chamfer < 2 * tube.halfLength)) f.refuse("chamfer", "wants less than wall and length");
+	return m_problem ? Mesh() : makeTubeMesh(tube);
 }
 
 Mesh SceneReader::readCrown(JsonFields& f)
@@ -242,21 +253,26 @@ void SceneReader::readPair(JsonFields& root, const std::string& at, const Json& 
 	m_scene.pairs.push_back({a, b});
 }
 
-Result<Scene> parseScene(const std::string& name, const std::string& text, const std::string& folder)
+namespace
 {
-	const Result<JsonSource> source = JsonSource::parse(name, text);
+Result<Scene> readScene(
+	Result<JsonSource> source, const std::string& name, const std::string& folder, const std::vector<SceneSetting>& settings)
+{
 	if (!source) return source.error();
+	for (const auto& [path, value] : settings)
+		if (const auto refused = source.value().replace(path, value)) return Error{name + ": " + refused->message};
 	return SceneReader(source.value(), folder).read(name);
 }
+}  // namespace
 
-Result<Scene> loadScene(const std::string& path)
+Result<Scene> parseScene(
+	const std::string& name, const std::string& text, const std::string& folder, const std::vector<SceneSetting>& settings)
 {
-	const Error unreadable{path + ": cannot be read"};
-	std::error_code failed;
-	if (!std::filesystem::is_regular_file(path, failed)) return unreadable;
-	std::ifstream file(path, std::ios::binary);
-	std::ostringstream text;
-	if (!file.is_open() || (file.peek() != std::ifstream::traits_type::eof() && !(text << file.rdbuf())) || file.bad()) return unreadable;
-	return parseScene(path, text.str(), std::filesystem::path(path).parent_path().string());
+	return readScene(JsonSource::parse(name, text), name, folder, settings);
+}
+
+Result<Scene> loadScene(const std::string& path, const std::vector<SceneSetting>& settings)
+{
+	return readScene(JsonSource::load(path), path, std::filesystem::path(path).parent_path().string(), settings);
 }
 }  // namespace scenes

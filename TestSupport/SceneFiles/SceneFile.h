@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Base/Pose.h"
 #include "BulletISTCollision/Core/Base/Result.h"
 #include "BulletISTCollision/Core/Mesh/Mesh.h"
+#include "BulletISTCollision/Json/JsonValue.h"
 
 #include <optional>
 #include <string>
@@ -179,7 +180,11 @@ struct Scene
 	}
 };
 
+/// A field of a scene file, such as `bodies[0].asset`, and the value that it gets in place of the file's.
+using SceneSetting = std::pair<std::string, ist::JsonValue>;
+
 /// Parses a scene. Each error is refused with file name, line and field. File names in the text are relative to `folder`.
-ist::Result<Scene> parseScene(const std::string& name, const std::string& text, const std::string& folder);
-ist::Result<Scene> loadScene(const std::string& path);
+ist::Result<Scene> parseScene(
+	const std::string& name, const std::string& text, const std::string& folder, const std::vector<SceneSetting>& settings = {});
+ist::Result<Scene> loadScene(const std::string& path, const std::vector<SceneSetting>& settings = {});
 }  // namespace scenes

@@ -70,6 +70,7 @@ private:
 	void readAsset(JsonFields& f);
 	ist::Mesh readShape(JsonFields& f);
 	ist::Mesh readCrown(JsonFields& f);
+	ist::Mesh readTube(JsonFields& f);
 	void readMaterial(JsonFields& f);
 	void readBody(JsonFields& f);
 	void readStockShape(JsonFields& f, SceneBody& body);

@@ -99,6 +99,39 @@ Mesh makeCrownMesh(const CrownShape& shape)
 	return mesh;
 }
 
+Mesh makeTubeMesh(const TubeShape& shape)
+{
+	constexpr uint32_t kStations = 96, kSteps = 8;
+	const double inside = shape.radius - shape.wall, h = shape.halfLength, c = shape.chamfer;
+	// Corners of the section, up the outside and down the inside.
+	const double corners[][2] = {{inside, -h}, {shape.radius, -h}, {shape.radius, h}, {inside + c, h}, {inside, h - c}, {inside, -h}};
+	std::vector<Vec3> section;
+	for (int i = 0; i < 5; ++i)
+	{
+		const uint32_t steps = i == 1 || i == 4 ? kSteps : 2;
+		for (uint32_t k = 0;
+			 k < steps && distance(Vec3{corners[i][0], 0, corners[i][1]}, Vec3{corners[i + 1][0], 0, corners[i + 1][1]}) > 0; ++k)
+		{
+			const double u = static_cast<double>(k) / steps;
+			section.push_back(
+				{corners[i][0] + u * (corners[i + 1][0] - corners[i][0]), 0, corners[i][1] + u * (corners[i + 1][1] - corners[i][1])});
+		}
+	}
+	const auto ring = static_cast<uint32_t>(section.size());
+	Mesh mesh;
+	for (uint32_t i = 0; i < kStations; ++i)
+		for (const Vec3& p : section)
+			mesh.vertices.push_back({p.x * std::cos(2 * kPi * i / kStations), p.x * std::sin(2 * kPi * i / kStations), p.z});
+	const auto at = [&](uint32_t i, uint32_t j) { return (i % kStations) * ring + j % ring; };
+	for (uint32_t i = 0; i < kStations; ++i)
+		for (uint32_t j = 0; j < ring; ++j)
+		{
+			mesh.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+			mesh.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+		}
+	return mesh;
+}
+
 Mesh makeSwordMesh(const SwordShape& s)
 {
 	const double tip = 0.04 * s.blade, guard = s.blade + s.guardHeight, grip = guard + s.grip, end = grip + s.pommelHeight;

@@ -24,6 +24,14 @@ double crownHeight(const CrownShape& shape, double angle);
 /// Radius of the inside at a height [m].
 double crownInside(const CrownShape& shape, double height);
 
+/// A tube about the z axis, from -halfLength to halfLength. Its hole widens at the upper end by a chamfer of 45 degrees.
+struct TubeShape
+{
+	double radius = 0.02, wall = 0.0095;  ///< radius of the outside, thickness below the chamfer
+	double halfLength = 0.02, chamfer = 0.004;
+};
+ist::Mesh makeTubeMesh(const TubeShape& shape = {});
+
 /// A sword along z, with its tip at z = 0 pointing down and its pommel at the top. Every cross section is a rhombus.
 struct SwordShape
 {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Zlib
-"""Draws pipeline.svg (ARCHITECTURE.md) and glossary.svg (docs/glossary.md) beside this file. Usage: drawings.py"""
+"""Draws pipeline.svg and threads.svg (ARCHITECTURE.md) and glossary.svg (docs/glossary.md) beside this file. Usage: drawings.py"""
 import math
 import pathlib
 
@@ -104,6 +104,87 @@ def pipeline():
     joint((2, 6), (3, 3), "bodies near the tool", 4, shift=20)
     joint((2, 6), (3, 3), "impulses of the tool", -14, "end", True, -20)
     drawing.write("pipeline.svg")
+
+
+def box(drawing, x, y, width, height, colour, lines, dash=""):
+    dashes = f' stroke-dasharray="{dash}"' if dash else ""
+    drawing.add(f'<rect x="{x}" y="{y}" width="{width}" height="{height}" rx="6" fill="{colour}" fill-opacity="0.09" '
+                f'stroke="{colour}" stroke-width="1.5"{dashes}/>')
+    for i, words in enumerate(lines):
+        size, fill, weight = (14, INK, "bold") if i == 0 else (11, "#444", "normal")
+        drawing.text(x + width / 2, y + 21 + 16 * i, words, size, fill, "middle", weight)
+
+
+# Threads of a world beside the hand. A thread is (name, colour, what it does); between two of them is what they exchange.
+THREADS = [
+    ("Device", QUIET, ["only where calls may block", "ThreadedDevice: exchange", "samples and commands"]),
+    ("Hand, 1 kHz", VIOLET, ["SteppingThread: one tick, below", "copies of the bodies near the tool,", "linear models of their contacts"]),
+    ("Contacts", GREEN, ["only with contact-thread", "queries at the pose asked for", "up to 1 kHz, as they last"]),
+    ("World, 60 Hz", ORANGE, ["BulletWorldCoupling::step:", "impulses in, step of the world,", "bodies near the tool out"]),
+]
+# A tick: (stage, what it has, the event after it, the cause of zero that it may give).
+STAGES = [
+    ("Read", "Device::read", "", ""),
+    ("Trust", "SampleMonitor", "onTransform", "frozen, jump, lost"),
+    ("Pull", "GapBridge, spring", "", ""),
+    ("World", "ContactSource", "onCollision", "tool not finite"),
+    ("Law", "ForceLaw", "onHapticTick", "hook threw"),
+    ("Limit", "SafetyLimiter", "", "not finite, too old"),
+    ("Write", "Device::write", "onFault", "refused"),
+]
+
+
+def threads():
+    drawing = Drawing(1100, 560, "Above: the threads of a hand beside a world. Below: one tick from device to device")
+    drawing.text(24, 32, "Threads: none waits for another, and each exchange is a buffer without locks", 14, INK, weight="bold")
+    width, height, step, top = 210, 76, 282, 52
+    for i, (name, colour, lines) in enumerate(THREADS):
+        box(drawing, 24 + i * step, top, width, height, colour, [name, *lines], "6 4" if lines[0].startswith("only") else "")
+    y = top + height / 2
+
+    def exchange(i, there, back):
+        x = 24 + i * step + width
+        drawing.line([(x + 3, y - 10), (x + step - width - 3, y - 10)], INK, 1.5, True)
+        drawing.line([(x + step - width - 3, y + 10), (x + 3, y + 10)], INK, 1.5, True)
+        drawing.text(x + (step - width) / 2, y - 16, there, 11, QUIET, "middle")
+        drawing.text(x + (step - width) / 2, y + 24, back, 11, QUIET, "middle")
+
+    exchange(0, "pose", "force")
+    exchange(1, "question", "answer")
+    left, right, low = 24 + 1.5 * step - 36, 24 + 3 * step + width / 2, top + height
+    for x, dy, words, back in ((0, 26, "bodies near the tool, and what carries them (WorldMirror)", True),
+                               (-30, 52, "sums of the impulses that the hand gave to each body", False)):
+        points = [(left - 60 + x, low + 3), (left - 60 + x, low + dy), (right + x, low + dy), (right + x, low + 3)]
+        if back:
+            points = points[::-1]
+        drawing.line(points, INK, 1.5, True)
+        drawing.text((left + right) / 2, low + dy - 5, words, 11, QUIET, "middle")
+
+    y = 226
+    drawing.text(24, y, "With the topology one-thread the hand's thread owns the world: \u201cWorld\u201d below is a step of it. "
+                 "With force-thread \u201cLaw\u201d has a thread of its own.", 12, QUIET)
+    y += 38
+    drawing.text(24, y, "One tick, from device to device", 14, VIOLET, weight="bold")
+    width, step, top, height = 116, 152, y + 18, 60
+    for i, (name, what, event, cause) in enumerate(STAGES):
+        x = 24 + i * step
+        box(drawing, x, top, width, height, VIOLET, [name, what])
+        if i + 1 < len(STAGES):
+            drawing.line([(x + width, top + height / 2), (x + step - 3, top + height / 2)], VIOLET, 2, True)
+        if event:
+            drawing.line([(x + width / 2, top + height), (x + width / 2, top + height + 26)], BLUE, 1.5, True)
+            drawing.text(x + width / 2, top + height + 42, event, 13, BLUE, "middle", "bold")
+        if cause:
+            middle, below = x + width / 2, top + height
+            drawing.line([(middle, below + (52 if event else 0)), (middle, below + 92)], ORANGE, 1.2, False, "4 3")
+            drawing.text(x + width / 2, top + height + 110, cause, 11, ORANGE, "middle")
+    low = top + height + 122
+    drawing.line([(24 + step + width / 2, low), (24 + 6 * step + width / 2, low)], ORANGE, 1.2)
+    drawing.line([(24 + 5.5 * step + width / 2, low), (24 + 5.5 * step + width / 2, low + 22)], ORANGE, 1.5, True)
+    drawing.text(24 + 5.5 * step + width / 2, low + 38, "zero force, and onFault says why", 13, ORANGE, "middle", "bold")
+    drawing.text(24, low + 38, "Blue: events, to which a program adds its functions. They run in the tick.", 12, QUIET)
+    drawing.text(24, low + 56, "With several hands in one loop all are read and pull before the world takes its step.", 12, QUIET)
+    drawing.write("threads.svg")
 
 
 # The body of the glossary, in the units of its panels, and what the library would make of it in the plane.
@@ -304,4 +385,5 @@ def glossary():
 
 
 pipeline()
+threads()
 glossary()

@@ -25,6 +25,7 @@ for name in "${names[@]}"; do
 	case $name in
 		asset_loader) seeds=("$source/data/golden") ;;
 		scene_file) seeds=("$source/data/scenes") ;;
+		study_file) seeds=("$source/data/studies") ;;
 		simulated_profile) seeds=("$source/data/devices") ;;
 	esac
 	[ -d "$source/tests/fuzz/seeds/$name" ] && seeds+=("$source/tests/fuzz/seeds/$name")

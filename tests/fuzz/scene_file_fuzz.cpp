@@ -15,14 +15,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 		return 0;
 	}
 	const scenes::Scene& s = scene.value();
-	require(s.tool < s.bodies.size(), "the tool is a body");
 	for (const scenes::SceneBody& body : s.bodies)
 	{
 		require(body.kind != scenes::SceneBody::Kind::Asset || body.asset < s.assets.size(), "a body's asset is there");
 		require(std::isfinite(body.mass) && body.mass >= 0, "a mass is none or positive");
 	}
 	for (const auto& [a, b] : s.pairs) require(a < s.bodies.size() && b < s.bodies.size(), "pairs are of bodies");
-	for (size_t i = 1; i < s.path.size(); ++i) require(s.path[i - 1].time < s.path[i].time, "times of the path grow");
+	for (const scenes::SceneHand& hand : s.hands)
+	{
+		require(hand.parts || hand.tool < s.bodies.size(), "the tool is a body");
+		for (size_t i = 1; i < hand.path.size(); ++i) require(hand.path[i - 1].time < hand.path[i].time, "times of the path grow");
+	}
 	require(std::isfinite(s.worldRate) && s.worldRate > 0, "a rate is positive");
 	return 0;
 }

@@ -306,8 +306,8 @@ TEST(SceneRun, WhatCannotBeMadeIsNamedWithItsLine)
 	expectStart(swap(whole, ball, R"("mesh": "no-such.obj")"), "s.json:2: assets[0]: ");
 	expectStart(swap(whole, ball, R"("ist": "no-such.ist")"), "s.json:2: assets[0]: ");
 	expectStart(swap(whole, "sim:sigma7", "sim:nothing"), "s.json:5: hand.device: No simulated device is called 'nothing'");
-	expectStart(swap(whole, "sim:sigma7", "sim:sigma7?dof=3"),
-		"s.json:5: hand.device: only a simulated device without options follows the path of its hand");
+	expectStart(swap(whole, "sim:sigma7", "sim:sigma7?scale=2"), "s.json:5: hand.device: a simulated device with a scale follows no path");
+	expectStart(swap(whole, "sim:sigma7", "replay:x"), "s.json:5: hand.device: only a simulated device follows the path of its hand");
 	// Bullet could not rotate this asset correctly.
 	BuildOptions build;
 	build.maxSpheres = 60;

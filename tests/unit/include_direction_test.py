@@ -78,6 +78,8 @@ CHAIN = [
     ("demos/scenes/Truth", ALL + ["demos/scenes/Pages", "demos/scenes/Bodies"]),
     ("demos/scenes/Extremes", ALL + ["demos/scenes/Pages", "demos/scenes/Bodies", "demos/scenes/Truth"]),
     ("demos/scenes/Scene", ALL + ["demos/scenes/Pages", "demos/scenes/Bodies"]),
+    ("demos/scenes/Assembly", ALL + ["demos/scenes/Pages", "demos/scenes/Scene"]),
+    ("demos/scenes/Study", ALL + ["demos/scenes/Pages", "demos/scenes/Scene"]),
     ("demos/scenes/Grasp", ALL + ["demos/scenes/Pages", "demos/scenes/Bodies"]),
     ("demos/scenes/Carry", ALL + ["demos/scenes/Pages", "demos/scenes/Grasp"]),
     ("demos/scenes/HapticBunny", ALL + ["demos/scenes/" + f for f in ("Pages", "Bodies", "Truth", "Extremes")]),

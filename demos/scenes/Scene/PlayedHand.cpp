@@ -70,13 +70,35 @@ private:
 	std::uint32_t m_held = 0;
 };
 
+/// A simulated device with options, whose hand follows the path.
+std::optional<Error> openWithOptions(const SceneHand& scene, const Pose& X_MP, PlayedHand& hand)
+{
+	Result<std::unique_ptr<Device>> opened = DeviceRegistry().open(scene.device);
+	if (!opened) return at(scene.devicePlace, opened.error().message);
+	hand.device = std::make_unique<TimedDevice>(std::move(opened).value());
+	if (hand.device->info().scale != 1)
+		return at(scene.devicePlace, "a simulated device with a scale follows no path: leave out scale, or the path");
+	Device* innermost = hand.device.get();
+	while (auto* decorator = dynamic_cast<DeviceDecorator*>(innermost)) innermost = &decorator->inner();
+	auto* simulated = dynamic_cast<SimulatedDevice*>(innermost);
+	if (!simulated) return at(scene.devicePlace, "a simulated device with these options follows no path: " + scene.device);
+	std::vector<HandKeyFrame> frames = framesInW(scene, X_MP, hand.X_BW);
+	simulated->place(frames.front().pose);
+	simulated->setHand(handThrough(std::move(frames)));
+	hand.device = std::make_unique<TimedDevice>(std::make_unique<ScriptedButtons>(std::move(hand.device), scene.path));
+	hand.gains = gainsForDevice(hand.device->info(), kSceneTick, printAssumed);
+	return std::nullopt;
+}
+
 std::optional<Error> openDevice(const SceneHand& scene, const Pose& X_MP, PlayedHand& hand)
 {
 	const std::string prefix = "sim:";
-	if (scene.parts || scene.device.compare(0, prefix.size(), prefix) != 0 || scene.device.find('?') != std::string::npos)
+	const bool isSimulated = scene.device.compare(0, prefix.size(), prefix) == 0;
+	if (isSimulated && !scene.parts && !scene.path.empty() && scene.device.find('?') != std::string::npos)
+		return openWithOptions(scene, X_MP, hand);
+	if (scene.parts || !isSimulated || scene.device.find('?') != std::string::npos)
 	{
-		if (!scene.path.empty())
-			return at(scene.devicePlace, "only a simulated device without options follows the path of its hand, not " + scene.device);
+		if (!scene.path.empty()) return at(scene.devicePlace, "only a simulated device follows the path of its hand, not " + scene.device);
 		Result<std::unique_ptr<Device>> opened = DeviceRegistry().open(scene.device);
 		if (!opened) return at(scene.devicePlace, opened.error().message);
 		hand.device = std::make_unique<TimedDevice>(std::move(opened).value());

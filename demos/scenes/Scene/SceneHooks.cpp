@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/Scene/SceneHooks.h"
 
+#include "demos/scenes/Pages/CsvCells.h"
 #include "demos/scenes/Pages/HtmlReport.h"
 #include "demos/scenes/Pages/TextFile.h"
 
 #include <algorithm>
 #include <cstdio>
-#include <initializer_list>
 
 using namespace ist;
 using namespace devicebridge;
@@ -15,20 +15,6 @@ namespace scenes
 {
 namespace
 {
-/// The values, each after a comma.
-std::string cells(std::initializer_list<double> values)
-{
-	std::string text;
-	for (const double value : values) text += "," + formatNumber(value, 9);
-	return text;
-}
-
-std::string poseText(const Pose& X)
-{
-	const Quaternion q = quaternion(X.rotation);
-	return cells({X.translation.x, X.translation.y, X.translation.z, q.x, q.y, q.z, q.w});
-}
-
 constexpr const char* kHandHeader = "time,hand_x,hand_y,hand_z,hand_qx,hand_qy,hand_qz,hand_qw";
 constexpr const char* kToolHeader =
 	",tool_x,tool_y,tool_z,tool_qx,tool_qy,tool_qz,tool_qw,force_x,force_y,force_z,torque_x,torque_y,torque_z";
@@ -204,11 +190,11 @@ std::string SceneHooks::textOf(const SceneHook& hook) const
 	for (const auto& [events, row] : rows)
 	{
 		if (named) text += events->hand->scene->name + ",";
-		text += formatNumber(row->time - rows.front().second->time, 9) + poseText(row->hand);
+		text += formatNumber(row->time - rows.front().second->time, 9) + csvPose(row->hand);
 		const Wrench& w = row->wrench;
 		if (whole)
-			text += poseText(events->hand->X_BW * row->tool * events->X_PM) +
-				cells({w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z});
+			text += csvPose(events->hand->X_BW * row->tool * events->X_PM) +
+				csvCells({w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z});
 		text += "\n";
 	}
 	return text;

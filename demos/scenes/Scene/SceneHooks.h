@@ -20,6 +20,8 @@ public:
 	SceneHooks(const SceneHooks&) = delete;
 	SceneHooks& operator=(const SceneHooks&) = delete;
 
+	/// Ends the run after the tick in progress.
+	void stop();
 	bool stopWanted() const { return m_stop.load(std::memory_order_relaxed); }
 	/// Call this after the run. It writes counts and faults into the outcome, and recordings into their files. Each file is either
 	/// complete or missing; the missing ones are listed in the outcome.
@@ -80,7 +82,6 @@ private:
 	/// Stops, or switches.
 	void act(HandEvents& events, const SceneHook& hook, SceneSwitch* what) noexcept;
 	bool concerns(const SceneHook& hook, const devicebridge::ToolContact& contact) const;
-	void stop();
 
 	const Scene& m_scene;
 	const SceneWorld& m_world;

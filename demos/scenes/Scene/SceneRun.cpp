@@ -297,6 +297,11 @@ Result<bool> Performance::performInRealTime()
 std::optional<Error> Performance::play(SceneOutcome& outcome)
 {
 	SceneHooks hooks(m_scene, m_world, m_hands, *m_switches, m_clock->now(), m_ticks);
+	SteppingThread& first = *m_hands.front().thread;
+	if (m_options.listener)
+		first.onHapticTick.addDelegate([&](const DeviceState&, const Wrench&) {
+			if (!m_options.listener(first, m_world)) hooks.stop();
+		});
 	std::optional<Error> refused = startHelpers();
 	const Result<bool> performed = refused ? *refused : m_options.virtualTime ? performInVirtualTime(hooks) : performInRealTime();
 	stopHelpers();

@@ -2,9 +2,11 @@
 #pragma once
 
 #include "DeviceBridge/Bullet/BulletDecoupledSource.h"
+#include "DeviceBridge/Loop/SteppingThread.h"
 #include "DeviceBridge/Safety/SafetyLimiter.h"
 #include "TestSupport/SceneFiles/SceneWorld.h"
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,6 +16,8 @@ struct SceneRunOptions
 {
 	SceneBuildOptions build;
 	bool virtualTime = false;  ///< true: reproducible and as fast as possible; false: real time at 1 kHz
+	/// Called in each tick of the first hand, in its thread, before the safety limits. False ends the run, as the hook `stop` does.
+	std::function<bool(devicebridge::SteppingThread&, const SceneWorld&)> listener;
 };
 
 /// One tick of a scene. World B.

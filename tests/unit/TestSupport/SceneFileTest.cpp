@@ -509,6 +509,34 @@ TEST(SceneFile, AFileThatIsNotThereIsNamed)
 	EXPECT_EQ(folder.error().message, std::string(SCENE_FOLDER) + ": cannot be read");
 }
 
+TEST(SceneFile, SettingsTakeThePlaceOfFields)
+{
+	const auto with = [](const std::string& path, const JsonValue& value) { return parseScene("s.json", kWhole, "", {{path, value}}); };
+	EXPECT_EQ(with("gravity", JsonValue::list({1, 2, 3})).value().gravity, (Vec3{1, 2, 3}));
+	const Result<Scene> other = with("bodies[1].asset", "b");
+	ASSERT_TRUE(other) << other.error().message;
+	EXPECT_EQ(other.value().bodies[1].asset, 1u);
+	EXPECT_EQ(other.value().bodies[1].mass, 4);
+	EXPECT_EQ(other.value().bodies[2].asset, 2u);
+	EXPECT_EQ(with("bodies[2].friction", 0.25).value().bodies[2].material.friction, 0.25);  // a field that the file lacks
+	EXPECT_EQ(parseScene("s.json", kWhole, "", {{"bodies[1].asset", "b"}, {"bodies[1].mass", 5}}).value().bodies[1].mass, 5);
+
+	const auto refusal = [&](const std::string& path, const JsonValue& value) {
+		const Result<Scene> scene = with(path, value);
+		return scene ? "accepted" : scene.error().message;
+	};
+	EXPECT_EQ(refusal("bodies[1].asset", "z"), "s.json:21: bodies[1].asset: no asset is called z; there are a, b, c, ball");
+	EXPECT_EQ(refusal("bodies[1]", JsonValue{{"nmae", "one"}}).compare(0, 10, "s.json:21:"), 0);
+	EXPECT_EQ(refusal("bodies[9].asset", "a"), "s.json: \"bodies[9].asset\" is an element that is not there");
+	EXPECT_EQ(refusal("schema.version", 1), "s.json: \"schema.version\" is a field of what is no object");
+	for (const char* path :
+		{"", ".", "bodies[", "bodies[]", "bodies[-1]", "bodies[1", "bodies[1.]", "bodies[999999999999]", "a..b", "bodies.[0]"})
+		EXPECT_NE(refusal(path, 1).find("\"" + std::string(path) + "\" is "), std::string::npos) << path << ": " << refusal(path, 1);
+	std::string deep = "a";
+	for (int i = 0; i < 100000; ++i) deep += ".a";
+	EXPECT_NE(refusal(deep, 1), "accepted");
+}
+
 TEST(SceneFile, TheScenesThatAreCarriedAreWhole)
 {
 	int found = 0;

@@ -109,7 +109,7 @@ std::vector<std::string> scenesFor(const std::string& definition)
 			scenes.push_back(R"({@"schema": 1, )" + std::string(topology) + assets + bodies + "}");
 	if (definition == "asset")
 	{
-		for (const char* shape : {"box", "sphere", "capsule", "cylinder", "ring", "crown", "sword"})
+		for (const char* shape : {"box", "sphere", "capsule", "cylinder", "ring", "crown", "sword", "tube"})
 			scenes.push_back(asset("\"shape\": \"" + std::string(shape) + "\""));
 		scenes.push_back(asset("\"mesh\": \"a.obj\""));
 		scenes.push_back(asset("\"ist\": \"a.ist\""));

@@ -67,3 +67,23 @@ TEST(SceneShapes, ASwordIsWholeAndHasTheVolumeOfItsParts)
 	EXPECT_NEAR(size.z, s.blade + s.guardHeight + s.grip + s.pommelHeight, 1e-12);
 	EXPECT_NEAR(size.x, 2 * s.guardHalfWidth, 1e-12);
 }
+
+TEST(SceneShapes, ATubeIsWholeAndHasTheVolumeOfItsWall)
+{
+	for (const double chamfer : {0.0, 0.004})
+	{
+		TubeShape shape;
+		shape.chamfer = chamfer;
+		const Mesh mesh = makeTubeMesh(shape);
+		expectWhole(mesh);
+		const double inside = shape.radius - shape.wall, r = inside + chamfer;
+		// A ring, without the frustum that widens the hole, on 96 chords instead of circles.
+		const double chords = 96 * std::sin(2 * M_PI / 96) / (2 * M_PI);
+		const double volume = M_PI *
+			((shape.radius * shape.radius - inside * inside) * 2 * shape.halfLength -
+				chamfer * ((r * r + r * inside + inside * inside) / 3 - inside * inside));
+		EXPECT_NEAR(massProperties(mesh).volume, chords * volume, 1e-9 * volume);
+		EXPECT_NEAR(bounds(mesh).upper.z, shape.halfLength, 1e-12);
+		EXPECT_NEAR(bounds(mesh).upper.x, shape.radius, 1e-12);
+	}
+}

@@ -112,6 +112,55 @@ expect "monitor" 0 "$bridge" monitor sim:touch --seconds 1 --rate 10
 expect "calibrate" 0 python3 "$(dirname "$0")/glove_calibration_test.py" "$bridge" "$dir/glove.json"
 expect "calibrate what is no glove" 1 "$bridge" calibrate sim:touch -o "$dir/x.json"
 
+# An acceptance: the simulated hand moves, the answers are these. Arguments: the six pushes, the ruler, the release.
+answers()
+{
+	printf '%s\n' yes "" "" "" "" "" "" ""  "" "" "" "" "" "" ""  "" "$2"  ""
+	for felt in $1; do printf '\n%s\n' "$felt"; done
+	printf '%s\n' "" "$3"  "" ""  "All as Described."
+}
+felt="right left up down towards away"
+# accept NAME WANTED_CODE ANSWERS ADDRESS [OPTION...]: the file is what `holds` looks at then.
+accept()
+{
+	local name=$1 wanted=$2 given=$3 address=$4
+	shift 4
+	rm -f "$dir/accepted.json"
+	expect "$name" "$wanted" timeout 60 "$bridge" acceptance "$address" -o "$dir/accepted.json" "$@" < <(printf '%s\n' "$given")
+	if [ -e "$dir/accepted.json" ]; then cp "$dir/accepted.json" "$dir/out"; else echo '{"parts": [], "file": null}' > "$dir/out"; fi
+}
+part='{p["part"]: p for p in r["parts"]}'
+accept "acceptance" 0 "$(answers "$felt" 40 yes)" sim:sigma7
+holds "acceptance" 'r["ok"] and r["complete"] and r["simulated"]'
+holds "acceptance says whose it is" 'r["comment"] == "All as Described." and r["device"]["model"] == "sigma.7"'
+holds "acceptance has its parts" '[p["part"] for p in r["parts"]] == ["axes", "turns", "scale", "rate", "forces", "release", "unplug"]'
+holds "a push is at most 1 N and gets there" \
+	"all(0.99 < q['strongest_n'] <= 1 and abs(q['moved_m'] - 1 / 300) < 4e-4 for q in $part['forces']['pushes'])"
+holds "a handle that is let go is not pushed on" \
+	"(lambda p: p['guarded'] and p['after_guard_n'] < 1e-3 and p['fastest_m_s'] > 0.3)($part['release'])"
+holds "the loss has a cause" "$part['unplug']['cause'] == 'the device does not answer' and $part['unplug']['back']"
+accept "an acceptance of a scaled device" 0 "$(answers "$felt" 40 yes)" 'sim:touchx?scale=2'
+holds "lengths and forces are those at the handle" \
+	"abs($part['scale']['device_m'] - 0.08) < 1e-4 and all(0.99 < q['strongest_n'] <= 1 for q in $part['forces']['pushes'])"
+accept "a push to the wrong side" 1 "$(answers "left left up down towards away" 40 yes)" sim:sigma7
+holds "a push to the wrong side" "not r['ok'] and [q['ok'] for q in $part['forces']['pushes']] == [False] + 5 * [True]"
+accept "a wrong scale" 1 "$(answers "$felt" 44 yes)" sim:sigma7
+holds "a wrong scale" "[p['part'] for p in r['parts'] if not p['ok']] == ['scale']"
+accept "a handle that runs away" 1 "$(answers "$felt" 40 no)" sim:sigma7
+holds "a handle that runs away" "[p['part'] for p in r['parts'] if not p['ok']] == ['release']"
+accept "no answer to the first question" 1 "no" sim:sigma7
+holds "nothing was written" 'r["file"] is None'
+accept "an acceptance that is left" 1 "$(answers "$felt" 40 yes | head -20)" sim:sigma7
+says "an acceptance that is left" "no file was written"
+holds "an acceptance that is left" 'r["file"] is None'
+accept "parts can be left out" 0 "$(printf '%s\n' yes skip skip skip skip skip skip skip "")" sim:sigma7
+holds "parts can be left out" 'r["ok"] and not r["complete"] and all(p["skipped"] for p in r["parts"])'
+accept "an acceptance without forces" 0 "$(answers "" 40 yes | sed '/^yes$/{1!d}')" sim:sigma7 --without-forces
+holds "an acceptance without forces" '"forces" not in '"$part"' and r["ok"] and not r["complete"]'
+accept "a device with a fault" 1 "$(printf '%s\n' yes "" skip skip skip skip skip skip "")" 'sim:touchx?fault=nan'
+holds "a device with a fault" "'not finite' in $part['axes']['error']"
+expect "an acceptance into nowhere" 1 "$bridge" acceptance sim:sigma7 -o "$dir/no/such/folder/a.json" < /dev/null
+
 # A hand is recorded, played by address, and recorded again: the same file.
 python3 - "$dir/in.csv" <<'PYTHON'
 import sys
@@ -124,6 +173,8 @@ with open(sys.argv[1], "w") as out:
         row = [f"{1.3 * t + 0.01 * i},{0.1 + t},{-t},0,0.6,0,0.8,0.008" if tracked or i % 3 else ",,,,,,," for i in range(26)]
         print(f"{t},1," + ",".join(row), file=out)
 PYTHON
+accept "forces of what has no motors" 1 "$(answers "$felt" 40 yes)" "motion:$dir/in.csv"
+says "forces of what has no motors" "--without-forces walks through the rest"
 expect "record a hand" 0 "$bridge" record "motion:$dir/in.csv" -o "$dir/hand.istdrec" --hand "$dir/a.csv" --seconds 0.2 --json
 holds "record a hand" 'r["hand_frames"] > 80'
 expect "record it again" 0 "$bridge" record "motion:$dir/a.csv" -o "$dir/hand.istdrec" --hand "$dir/b.csv" --seconds 0.2

@@ -63,6 +63,27 @@ grep -q "<svg" "$dir/r.html" || { echo "FAILED: no plot in the report"; failures
 expect "a mistake is named with line and field" 1 "bad.json:6: hand.tool: no body is called bell; there are ball" \
 	"$demos" --scene "$dir/bad.json"
 [ ! -s "$dir/out" ] || { echo "FAILED: a refused scene wrote to stdout"; failures=$((failures + 1)); }
+echo '{"schema": 1, "name": "one", "timeLimit": 0.1, "conditions": [{"name": "a", "scene": "good.json"}]}' > "$dir/study.json"
+study=("$demos" --study "$dir/study.json" --results "$dir" --virtual-time --cache "")
+expect "a study runs" 0 "trial 1 of 1" "${study[@]}" --participant 7 --json
+python3 -c "
+import csv, json
+r = json.load(open('$dir/out'))
+assert r['schema'] == 1 and r['ok'] is True and r['participant'] == 7 and len(r['trials']) == 1, r
+trials, samples = list(csv.DictReader(open(r['trials_file']))), list(csv.DictReader(open(r['samples_file'])))
+assert trials[0]['device'] == 'sigma.7' and trials[0]['participant'] == '7' and len(samples) == 11, (trials, len(samples))
+" || failures=$((failures + 1))
+expect "a study makes its folder" 0 "" "${study[@]}" --participant 1 --results "$dir/new/folder"
+[ -s "$dir/new/folder/one-p1-trials.csv" ] || { echo "FAILED: no results in a new folder"; failures=$((failures + 1)); }
+expect "a study replaces no results" 1 "$dir/one-p7-trials.csv is there already" "${study[@]}" --participant 7
+expect "a study says the participant's trials" 0 "" "${study[@]}" --participant 8
+grep -q "^Trial 1, a *0.1 s, ended by time limit$" "$dir/out" || { echo "FAILED: a study's table"; failures=$((failures + 1)); }
+expect "a study knows its participant" 2 "--study needs --participant N" "${study[@]}"
+expect "participants count from 1" 2 "--participant must be a positive whole number, not 0" "${study[@]}" --participant 0
+expect "participants are for studies" 2 "--participant goes with --study" "$demos" --scene "$dir/good.json" --participant 1
+expect "a study has no report" 2 "--study goes without --report" "${study[@]}" --participant 1 --report "$dir/x.html"
+expect "the device of a study has an address" 1 "hand.device: wants an address" \
+	"${study[@]}" --participant 9 --device sigma7
 expect "a session needs a hand" 1 "$dir/handless.json:1: hand: is missing: a session needs one" "$demos" --scene "$dir/handless.json"
 expect "a missing file is named" 1 "$dir/none.json: cannot be read" "$demos" --scene "$dir/none.json"
 expect "a scene says all by itself" 2 "--scene goes without" "$demos" --scene "$dir/good.json" --spheres 10
@@ -73,6 +94,8 @@ expect "without a window there must be something to run" 2 "--headless needs --d
 expect "nor is there anything to report" 2 "--report needs --demo NAME or --scene FILE" "$demos" --report "$dir/none.html"
 expect "the figures run in real time" 2 "--paper-figures goes without --virtual-time" "$demos" --paper-figures "$dir/figures" --virtual-time
 expect "the figures have their own meshes" 2 "--paper-figures goes without --mesh" "$demos" --paper-figures "$dir/figures" --mesh x.obj
+expect "an assembly takes its scenes from where one says" 1 "$dir/assembly-one-hand.json: cannot be read" \
+	"$demos" --demo assembly --scenes "$dir"
 expect "scenes are for the figures" 2 "--scenes goes with --paper-figures" "$demos" --scenes "$dir" --demo continuity
 expect "continuity has no world" 2 "--demo continuity goes without --world-rate" "$demos" --demo continuity --world-rate 100
 expect "the Z-width has no mesh" 2 "--demo z-width goes without --mesh" "$demos" --demo z-width --mesh x.obj

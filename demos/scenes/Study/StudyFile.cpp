@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Zlib
+#include "demos/scenes/Study/StudyFile.h"
+
+#include "TestSupport/SceneFiles/JsonSource.h"
+
+#include <algorithm>
+#include <filesystem>
+
+using namespace ist;
+using Json = ist::JsonValue;
+
+namespace scenes
+{
+namespace
+{
+constexpr double kLongestTrial = 1800;  // [s]; every tick of a trial is kept in memory
+constexpr int64_t kMostTrials = 1000;
+
+bool isFileName(const std::string& name)
+{
+	return !name.empty() && name.size() <= 100 &&
+		std::all_of(name.begin(), name.end(), [](unsigned char c) { return c < 128 && (std::isalnum(c) || c == '-' || c == '_'); });
+}
+
+class StudyReader
+{
+public:
+	StudyReader(const JsonSource& source, std::filesystem::path folder, std::string device)
+		: m_source(source),
+		  m_folder(std::move(folder)),
+		  m_device(std::move(device))
+	{}
+
+	Result<Study> read(const std::string& path)
+	{
+		m_study.file = path;
+		JsonFields root(m_source, m_source.root(), "", m_problem);
+		root.need("schema");
+		if (root.number("schema", 1, -1e9, 1e9) != 1) root.refuse("schema", "this program reads schema 1");
+		m_study.name = root.text("name", std::filesystem::path(path).stem().string());
+		if (!isFileName(m_study.name)) root.refuse("name", "names the results: letters, digits, - and _, at most 100");
+		m_study.about = root.text("about");
+		m_study.seed = static_cast<uint64_t>(root.whole("seed", 1, 0, int64_t(1) << 53));
+		m_study.repetitions = static_cast<int>(root.whole("repetitions", 1, 1, kMostTrials));
+		m_study.sampleRate = root.number("sampleRate", m_study.sampleRate, 0.1, 1000);
+		root.need("timeLimit");
+		m_study.timeLimit = root.number("timeLimit", m_study.timeLimit, 1e-3, kLongestTrial);
+		m_study.waitLimit = root.number("waitLimit", m_study.waitLimit, 1e-3, kLongestTrial);
+		m_study.begin = readEvent(root, "begin");
+		m_study.end = readEvent(root, "end");
+		root.need("conditions");
+		const Json* list = root.list("conditions");
+		for (size_t i = 0; list && i < list->size() && !m_problem; ++i) readCondition((*list)[i], i);
+		if (m_study.conditions.empty()) root.refuse("conditions", "wants at least one");
+		if (m_study.repetitions * static_cast<int64_t>(m_study.conditions.size()) > kMostTrials)
+			root.refuse("repetitions", "makes more than " + std::to_string(kMostTrials) + " trials");
+		root.finish();
+		if (m_problem) return *m_problem;
+		return std::move(m_study);
+	}
+
+private:
+	StudyEvent readEvent(JsonFields& root, const std::string& name)
+	{
+		StudyEvent event;
+		const Json* object = root.object(name);
+		if (!object || m_problem) return event;
+		JsonFields f(m_source, *object, name, m_problem);
+		if (f.has("button") == f.has("contact")) f.refuse("", "wants one of button and contact");
+		event.kind = f.has("button") ? StudyEvent::Kind::Button : StudyEvent::Kind::Contact;
+		event.button = static_cast<int>(f.whole("button", 1, 1, 32));
+		const Json* bodies = f.list("contact");
+		for (size_t i = 0; bodies && i < bodies->size() && !m_problem; ++i)
+		{
+			if (!(*bodies)[i].isText()) f.refuse("contact", "wants the names of bodies, or [] for any body");
+			event.bodies.push_back((*bodies)[i].text());
+		}
+		if (event.bodies.size() > StudyEvent::kMostBodies) f.refuse("contact", "wants at most 64 bodies");
+		f.finish();
+		return event;
+	}
+
+	void readCondition(const Json& object, size_t i)
+	{
+		const std::string path = "conditions[" + std::to_string(i) + "]";
+		JsonFields f(m_source, object, path, m_problem);
+		StudyCondition condition;
+		f.need("name");
+		f.need("scene");
+		condition.name = f.text("name");
+		for (const StudyCondition& other : m_study.conditions)
+			if (other.name == condition.name) f.refuse("name", "another one is called " + condition.name + " already");
+		condition.sceneFile = (m_folder / f.text("scene")).lexically_normal().string();
+		condition.answer = f.text("answer");
+		std::vector<SceneSetting> settings;
+		if (const Json* set = f.object("set"))
+			for (const auto& [field, value] : set->fields()) settings.push_back({field, value});
+		f.finish();
+		if (m_problem) return;
+		// A study has its own time limits.
+		if (!m_device.empty())
+		{
+			const Result<JsonSource> file = JsonSource::load(condition.sceneFile);
+			const bool several = file && file.value().root().contains("hands");
+			const std::string hand = several ? "hands[0]" : "hand";
+			settings.insert(settings.end(), {{hand + ".device", m_device}, {hand + ".path", Json::list()}, {"duration", 1}});
+		}
+		const Result<Scene> scene = loadScene(condition.sceneFile, settings);
+		if (!scene) return f.refuse("", scene.error().message);
+		condition.scene = scene.value();
+		condition.place = m_source.problem(path, "").message;
+		checkScene(f, condition);
+		m_study.conditions.push_back(std::move(condition));
+	}
+
+	/// Refuses a scene in which the study could not be run.
+	void checkScene(JsonFields& f, const StudyCondition& condition)
+	{
+		if (condition.scene.hands.empty()) f.refuse("scene", condition.sceneFile + " has no hand");
+		std::vector<std::string> touched = m_study.begin.bodies;
+		touched.insert(touched.end(), m_study.end.bodies.begin(), m_study.end.bodies.end());
+		if (!condition.answer.empty()) touched.push_back(condition.answer);
+		for (const std::string& name : touched)
+		{
+			const auto& bodies = condition.scene.bodies;
+			if (std::none_of(bodies.begin(), bodies.end(), [&](const SceneBody& body) { return body.name == name; }))
+				f.refuse("scene", "no body of " + condition.sceneFile + " is called " + name);
+		}
+		if (!condition.answer.empty() &&
+			std::find(m_study.end.bodies.begin(), m_study.end.bodies.end(), condition.answer) == m_study.end.bodies.end())
+			f.refuse("answer", condition.answer + " is none of the bodies whose contact ends a trial");
+		for (const SceneHook& hook : condition.scene.hooks)
+			if (hook.action == SceneHook::Action::Record || hook.action == SceneHook::Action::Stop)
+				f.refuse("scene", "a study keeps samples and ends trials by itself; " + condition.sceneFile + " has a hook that does");
+	}
+
+	const JsonSource& m_source;
+	std::filesystem::path m_folder;
+	std::string m_device;  // empty: that of each scene
+	std::optional<Error> m_problem;
+	Study m_study;
+};
+}  // namespace
+
+Result<Study> parseStudy(const std::string& name, const std::string& text, const std::string& folder, const std::string& device)
+{
+	const Result<JsonSource> source = JsonSource::parse(name, text);
+	if (!source) return source.error();
+	return StudyReader(source.value(), folder, device).read(name);
+}
+
+Result<Study> loadStudy(const std::string& path, const std::string& device)
+{
+	const Result<JsonSource> source = JsonSource::load(path);
+	if (!source) return source.error();
+	return StudyReader(source.value(), std::filesystem::path(path).parent_path(), device).read(path);
+}
+}  // namespace scenes
