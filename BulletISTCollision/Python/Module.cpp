@@ -33,7 +33,15 @@ RepairMode repairMode(const std::string& name)
 	if (name == "auto") return RepairMode::Auto;
 	if (name == "off") return RepairMode::Off;
 	if (name == "wrap") return RepairMode::Wrap;
-	throw py::value_error("repair must be \"auto\", \"off\" or \"wrap\", not \"" + name + "\"");
+	if (name.starts_with("ground")) return RepairMode::Ground;
+	throw py::value_error("repair must be \"auto\", \"off\", \"wrap\" or like \"ground 2 y\", not \"" + name + "\"");
+}
+
+GroundClosing groundClosing(const std::string& text)
+{
+	const std::optional<GroundClosing> ground = groundFromText(text);
+	if (!ground) throw py::value_error("ground needs a depth in metres above 0, and may name the axis that points up: \"ground 2 z\"");
+	return *ground;
 }
 
 Tree build(const Doubles& vertices, const py::object& triangles, int64_t spheres, double fill, double minRadius,
@@ -50,6 +58,7 @@ Tree build(const Doubles& vertices, const py::object& triangles, int64_t spheres
 	options.targetFill = fill;
 	options.minRadius = minRadius;
 	options.repair = repairMode(repair);
+	if (options.repair == RepairMode::Ground) options.ground = groundClosing(repair);
 	options.seed = seed;
 	options.surface = surface;
 	options.threads = threads;
@@ -136,7 +145,8 @@ void bindFunctions(py::module_& module)
 		"progress"_a = py::none(), "surface"_a = true,
 		"A tree from a mesh [m]: vertices (n, 3) or flat, triangles (m, 3) or flat, counter-clockwise seen from outside; without "
 		"triangles, "
-		"each three vertices are one. `error`: force error at 1 % overlap to reach with at most `spheres`. `progress(stage, fraction)` may "
+		"each three vertices are one. `error`: force error at 1 % overlap to reach with at most `spheres`. `repair`: \"auto\", \"off\", "
+		"\"wrap\", or \"ground 2 y\", which closes open ground downwards, 2 m below its lowest point. `progress(stage, fraction)` may "
 		"return False to cancel. `surface=False`: without what contact below the gaps between spheres is computed from. Raises "
 		"bullethaptics.Error "
 		"with a sentence.");

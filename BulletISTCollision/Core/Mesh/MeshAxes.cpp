@@ -15,6 +15,8 @@ std::optional<SignedAxis> signedAxis(std::string_view text)
 	return result;
 }
 
+std::string axisName(SignedAxis axis) { return (axis.sign < 0 ? "-" : "") + std::string(1, char('x' + axis.axis)); }
+
 Mesh turnedUp(Mesh mesh, SignedAxis from, SignedAxis to)
 {
 	if (from.axis == to.axis && from.sign == to.sign) return mesh;

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Mesh/Mesh.h"
 
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace ist
@@ -17,6 +18,8 @@ struct SignedAxis
 
 /// Reads "x", "+y" or "-z". Empty optional for other texts.
 std::optional<SignedAxis> signedAxis(std::string_view text);
+/// "x" or "-z"
+std::string axisName(SignedAxis axis);
 
 /// The mesh, turned so that what pointed along `from` points along `to`: by a quarter turn about the axis that is neither, or by a half
 /// turn if they are opposite. Coordinates change places and signs only, so nothing is rounded.
