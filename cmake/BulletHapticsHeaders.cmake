@@ -53,6 +53,7 @@ set(BULLETHAPTICS_HEADERS
 	BulletISTCollision/Core/Geometry/MomentEllipsoid.h
 	BulletISTCollision/Core/Geometry/SpherePacking.h
 	BulletISTCollision/Core/Import/MeshImport.h
+	BulletISTCollision/Core/Mesh/LengthUnit.h
 	BulletISTCollision/Core/Mesh/Mesh.h
 	BulletISTCollision/Core/Mesh/MeshAxes.h
 	BulletISTCollision/Core/Mesh/MeshDivision.h

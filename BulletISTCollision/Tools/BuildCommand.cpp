@@ -130,7 +130,7 @@ int runBuild(const BuildArguments& a)
 	if (!mesh && mesh.error().cancelled) return fail("interrupted; nothing was written", kInterrupted);
 	if (!mesh) return fail(mesh.error().message);
 	if (interrupted()) return fail("interrupted; nothing was written", kInterrupted);
-	mesh = turned(std::move(mesh).value(), a.up);
+	mesh = turnedUp(std::move(mesh).value(), upAxes(a.up));
 	const double importSeconds = seconds();
 	whole = wholeBuild(a, double(mesh.value().triangles.size()));
 	BuildTimes times;

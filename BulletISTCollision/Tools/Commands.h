@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Mesh/MeshAxes.h"
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "BulletISTCollision/Core/Tuning/PairTuning.h"
 
@@ -95,16 +94,6 @@ int fail(const std::string& message, int code = kBadInput);
 
 /// The tree of an asset. The refusal of a file that may be a mesh says how to make a tree of it.
 Result<InnerSphereTree> loadTree(const std::string& path);
-
-/// The axis of a file that points up, and the axis that it becomes: y if the text names one axis only.
-struct UpAxes
-{
-	SignedAxis from, to;
-};
-/// Reads "z" or "z,-y". Empty optional for other texts.
-std::optional<UpAxes> upAxes(std::string_view text);
-/// Turns a mesh as `--up` says; an empty text turns nothing.
-Mesh turned(Mesh mesh, const std::string& up);
 
 /// How `--repair` or an asset says that a mesh is repaired.
 struct RepairChoice

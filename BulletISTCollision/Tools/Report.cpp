@@ -138,20 +138,6 @@ Result<InnerSphereTree> loadTree(const std::string& path)
 		std::filesystem::path(path).stem().string() + ".ist"};
 }
 
-std::optional<UpAxes> upAxes(std::string_view text)
-{
-	const size_t comma = text.find(',');
-	const std::optional<SignedAxis> from = signedAxis(text.substr(0, comma)),
-									to = comma == text.npos ? SignedAxis{} : signedAxis(text.substr(comma + 1));
-	return from && to ? std::optional(UpAxes{*from, *to}) : std::nullopt;
-}
-
-Mesh turned(Mesh mesh, const std::string& up)
-{
-	const std::optional<UpAxes> axes = upAxes(up);
-	return axes ? turnedUp(std::move(mesh), axes->from, axes->to) : mesh;
-}
-
 std::optional<RepairChoice> repairChoice(const std::string& text)
 {
 	if (text == "auto") return RepairChoice{RepairMode::Auto, {}};

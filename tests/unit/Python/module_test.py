@@ -336,6 +336,18 @@ class Refusals(Shared):
         self.refused(bh.Error, "", bh.build, np.where(vertices > .4, np.nan, vertices), triangles)
         self.refused(bh.Error, "nowhere.ist", bh.load, "nowhere.ist")
 
+    def test_units_and_axes_of_files(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "point.obj"
+            path.write_text("v 1 2 3\nv 4 5 7\nv 0 1 0\nf 1 2 3\n")
+            plain = bh.read_mesh(path)[0]
+            for unit, metres in (("mm", .001), ("in", .0254), ("0.5", .5), (.25, .25), (2, 2)):
+                np.testing.assert_allclose(bh.read_mesh(path, unit=unit)[0], plain * metres, rtol=1e-12)
+            np.testing.assert_array_equal(bh.read_mesh(path, up="z")[0], plain[:, [0, 2, 1]] * (1, 1, -1))
+            np.testing.assert_array_equal(bh.read_mesh(path, up="y,x")[0], plain[:, [1, 0, 2]] * (1, -1, 1))
+            self.refused(ValueError, "unit must be metres, or", bh.read_mesh, path, unit="miles")
+            self.refused(ValueError, "up must be an axis", bh.read_mesh, path, up="up")
+
     def test_open_ground(self):
         """A square of four triangles about a hill, closed 0.5 m deep: the prism and the pyramid."""
         corners = np.array([[0, 0, 0], [2, 0, 0], [2, 0, 2], [0, 0, 2], [1, .3, 1]])
