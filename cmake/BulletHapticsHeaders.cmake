@@ -52,9 +52,11 @@ set(BULLETHAPTICS_HEADERS
 	BulletISTCollision/Core/Geometry/AnalyticField.h
 	BulletISTCollision/Core/Geometry/MomentEllipsoid.h
 	BulletISTCollision/Core/Geometry/SpherePacking.h
+	BulletISTCollision/Core/Import/MeshFileVertices.h
 	BulletISTCollision/Core/Import/MeshImport.h
 	BulletISTCollision/Core/Mesh/LengthUnit.h
 	BulletISTCollision/Core/Mesh/Mesh.h
+	BulletISTCollision/Core/Mesh/MatchingVertices.h
 	BulletISTCollision/Core/Mesh/MeshAxes.h
 	BulletISTCollision/Core/Mesh/MeshDivision.h
 	BulletISTCollision/Core/Mesh/MeshShapes.h

@@ -144,4 +144,28 @@ Result<std::optional<std::string>> objForAssimp(std::string_view bytes)
 	}
 	return std::optional(std::move(out));
 }
+
+std::vector<Vec3> objVertices(std::string_view text)
+{
+	std::vector<Vec3> vertices;
+	for (Lines lines(text); lines.next();)
+	{
+		std::string_view content = lines.content();
+		if (lines.continues() || !hasKeyword(content, "v")) continue;
+		takeWord(content);
+		std::vector<double> numbers;
+		while (numbers.size() < 5)
+		{
+			std::string_view word = takeWord(content);
+			if (word.ends_with(',')) word.remove_suffix(1);
+			const std::optional<double> number = numberInText(word);
+			if (!number) break;
+			numbers.push_back(*number);
+		}
+		const double weight = numbers.size() == 4 && numbers[3] != 0 ? numbers[3] : 1;
+		numbers.resize(3);
+		vertices.push_back(Vec3{numbers[0], numbers[1], numbers[2]} / weight);
+	}
+	return vertices;
+}
 }  // namespace ist

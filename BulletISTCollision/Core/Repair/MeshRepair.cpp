@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
+#include "BulletISTCollision/Core/Mesh/MatchingVertices.h"
 #include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
 #include "BulletISTCollision/Core/Mesh/MeshEdges.h"
 #include "BulletISTCollision/Core/Repair/MeshCuts.h"
@@ -24,9 +25,6 @@ namespace
 {
 /// Share of the longest side within which positions are equal in Auto mode, if the mesh is open otherwise.
 constexpr double kNearlyEqual = 1e-9;
-/// A second limit of the distance between equal positions, as a multiple of the mesh's rounding. It is used if the mesh is still open. Each
-/// of two corners may be off by one value along each axis.
-constexpr double kRoundedApart = 4;
 /// Share of the area times the longest side. A smaller volume counts as none, however far apart the parts that enclose it are.
 constexpr double kFlat = 1e-9;
 constexpr int64_t kMostCuts = 1000;
@@ -220,11 +218,11 @@ void weldSeams(Attempt& attempt, OppositePairs policy)
 {
 	const double side = bounds(attempt.mesh).longestSide();
 	WeldedVertices all;
-	for (const double apart : {kNearlyEqual, kRoundedApart * attempt.mesh.rounding})
+	for (const double apart : {kNearlyEqual * side, weldingTolerance(attempt.mesh)})
 	{
 		const std::vector<uint32_t> open = verticesOfOpenEdges(attempt.mesh);
-		if (open.empty() || !(apart * side > 0)) break;
-		const WeldedVertices welded = weldNear(attempt.mesh, open, apart * side);
+		if (open.empty() || !(apart > 0)) break;
+		const WeldedVertices welded = weldNear(attempt.mesh, open, apart);
 		all.count += welded.count;
 		all.doubt += welded.doubt;
 		if (welded.count) clean(attempt, policy);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/Grasp/GraspObjects.h"
 
+#include "BulletISTCollision/Core/Import/MeshFileVertices.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Core/Mesh/MatchingVertices.h"
 #include "BulletISTCollision/Core/Mesh/MeshDivision.h"
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "demos/scenes/Bodies/ImplicitMesh.h"
@@ -236,6 +238,14 @@ Result<GraspObject> loadGraspObject(const std::string& path, const GraspFile& fi
 	object.name = std::filesystem::path(path).stem().string();
 	object.mesh = dividedMesh(translated(mesh, -grip.foot), kLoadedEdge);
 	if (!surface.places.empty()) object.texture = {translated(surface.mesh, -grip.foot), std::move(surface.places)};
+	Result<std::vector<Vec3>> vertices = importVertices(path, file.unit > 0 ? std::optional(file.unit) : std::nullopt);
+	if (!vertices) return vertices.error();
+	Mesh points{std::move(vertices).value(), {}};
+	for (Vec3& p : points.vertices) p = scale * p;
+	points = translated(turnedUp(std::move(points), file.up), -grip.foot);
+	const std::vector<int64_t> matching = matchingVertices(points.vertices, object.mesh, weldingTolerance(object.mesh));
+	// A mesh that was rebuilt on a grid has no vertices of the file.
+	if (std::any_of(matching.begin(), matching.end(), [](int64_t vertex) { return vertex >= 0; })) object.fileVertices = points.vertices;
 	object.mass = file.mass > 0 ? file.mass : kLoadedMass;
 	object.gripHeight = grip.height;
 	object.width = grip.width();

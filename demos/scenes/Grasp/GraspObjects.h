@@ -22,6 +22,7 @@ struct GraspObject
 	double gripZ = 0;           ///< middle between thumb and fingers, z [m]
 	double width = 0;           ///< width along z at that height [m]
 	ist::TexturedMesh texture;  ///< surface with texture coordinates, for the mug, the ring, and files that contain them; otherwise empty
+	std::vector<ist::Vec3> fileVertices = {};  ///< vertices of the file in its order, of objects from files
 };
 
 /// Names: "mug", "bunny", "duck", "nut", "plate", "ring".

@@ -68,7 +68,9 @@ Chart chartOf(const GraspOutcome& o, const std::string& title, const std::string
 
 Result<TextureScales> saveMaps(const devicebridge::HeatMap& map, const GraspObject& object, const std::string& path)
 {
-	if (auto error = devicebridge::saveHeatMap(map, path + ".ply")) return *error;
+	if (auto error = object.fileVertices.empty() ? devicebridge::saveHeatMap(map, path + ".ply")
+												 : devicebridge::saveHeatMapOfFile(map, object.fileVertices, path + ".ply"))
+		return *error;
 	if (auto error = devicebridge::saveHeatMapTable(map, path + ".csv")) return *error;
 	if (object.texture.places.empty()) return TextureScales();
 	return saveTextures(map, object.texture, path);

@@ -56,6 +56,9 @@ TEST(GraspObjects, AFileStandsOnTheTableAndIsGrippedInTheMiddle)
 		EXPECT_NEAR(distance(bounds(*mesh).upper, {0.025, 0.04, 0.015}), 0, 1e-6);
 	}
 	EXPECT_EQ(box.texture.places.size(), 12u);
+	ASSERT_EQ(box.fileVertices.size(), 8u);
+	EXPECT_NEAR(distance(box.fileVertices[1], {-0.025, 0, 0.015}), 0, 1e-6) << "the second line of the file";
+	EXPECT_NEAR(distance(box.fileVertices[6], {0.025, 0.04, -0.015}), 0, 1e-6) << "the seventh";
 	EXPECT_TRUE(ist::inspect(box.mesh).watertight);
 	for (const auto& t : box.mesh.triangles)
 		for (size_t c = 0; c < 3; ++c) ASSERT_LE(distance(box.mesh.vertices[t[c]], box.mesh.vertices[t[(c + 1) % 3]]), 0.002 + 1e-12);
