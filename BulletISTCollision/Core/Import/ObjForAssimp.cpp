@@ -113,8 +113,7 @@ Result<Unexpected> inspect(std::string_view text)
 		if (lines.continues()) continue;
 		found.hasTexture = found.hasTexture || hasKeyword(content, "vt");
 		if (const std::string_view word = hasKeyword(content, "v") ? noNumberIn(content) : std::string_view(); !word.empty())
-			return Error{
-				"\"" + std::string(word.substr(0, 40)) + "\" in line " + std::to_string(lines.number()) + " is no number; export it again"};
+			return Error{quotedText(word) + " in line " + std::to_string(lines.number()) + " is no number; export it again"};
 		if (found.hasTexture || found.namesTexture || !hasKeyword(content, "f")) continue;
 		std::string_view rest = content;
 		while (!rest.empty() && !found.namesTexture) found.namesTexture = namesTexture(takeWord(rest));
