@@ -2,7 +2,7 @@
 # Assets as part of a build:
 #
 #   bullethaptics_add_assets(<target> MESHES <file>...
-#     [SPHERES n] [FILL f] [MIN_RADIUS m] [ERROR e] [UNIT m|cm|mm|um|in|ft|metres] [UP axis] [REPAIR auto|off|wrap]
+#     [SPHERES n] [FILL f] [MIN_RADIUS m] [ERROR e] [UNIT m|cm|mm|um|in|ft|metres] [UP axis] [REPAIR auto|off|wrap|"ground DEPTH"]
 #     [ACCEPT_DOUBT] [SEED n] [THREADS n] [OUTPUT_DIRECTORY <folder>] [DEPENDS <file>...])
 #
 # Adds <target>, part of ALL, which packs each mesh into <folder>/<name>.ist (default folder: the current binary directory). The

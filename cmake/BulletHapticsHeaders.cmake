@@ -52,8 +52,12 @@ set(BULLETHAPTICS_HEADERS
 	BulletISTCollision/Core/Geometry/AnalyticField.h
 	BulletISTCollision/Core/Geometry/MomentEllipsoid.h
 	BulletISTCollision/Core/Geometry/SpherePacking.h
+	BulletISTCollision/Core/Import/MeshFileVertices.h
 	BulletISTCollision/Core/Import/MeshImport.h
+	BulletISTCollision/Core/Mesh/LengthUnit.h
 	BulletISTCollision/Core/Mesh/Mesh.h
+	BulletISTCollision/Core/Mesh/MatchingVertices.h
+	BulletISTCollision/Core/Mesh/MeshAxes.h
 	BulletISTCollision/Core/Mesh/MeshDivision.h
 	BulletISTCollision/Core/Mesh/MeshShapes.h
 	BulletISTCollision/Core/Mesh/TexturedMesh.h
@@ -61,6 +65,7 @@ set(BULLETHAPTICS_HEADERS
 	BulletISTCollision/Core/Query/OverlapQuery.h
 	BulletISTCollision/Core/Query/VerletList.h
 	BulletISTCollision/Core/Query/ProximityQuery.h
+	BulletISTCollision/Core/Repair/MeshGround.h
 	BulletISTCollision/Core/Repair/MeshRepair.h
 	BulletISTCollision/Core/Surface/BodySurface.h
 	BulletISTCollision/Core/Surface/ContactSurface.h

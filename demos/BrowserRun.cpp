@@ -21,6 +21,7 @@ browser::DemoOptions demoOptions(const DemoArguments& a)
 {
 	browser::DemoOptions options;
 	options.mesh = a.meshGiven ? a.mesh : "";
+	options.up = a.up;
 	options.cache = a.cache;
 	options.spheres = a.spheresGiven ? a.spheres : 0;
 	options.contactCache = {a.contactCache, a.maxError, a.forceError};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/DemoArguments.h"
 
+#include "BulletISTCollision/Core/Mesh/LengthUnit.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -20,10 +22,13 @@ const char* const kDemoUsage =
 	"  --results FOLDER where --study writes its two CSV files, made where it is missing (default: the current folder)\n"
 	"  --paper-figures DIR  rates of force and contact of three scenes, in real time: a page and CSV files\n"
 	"  --scenes FOLDER  where --paper-figures and --demo assembly find their scenes (default data/scenes, from the current folder)\n"
-	"  --mesh FILE      mesh to use (default: the bunny of glmark2-data; of the browser's demos, a shape of their own); a damaged OFF or "
-	"PLY file may end the program: try it with `ist build` first\n"
-	"  --unit METRES    metres per unit of the file, in place of the one that it states (default: the longest side becomes 0.2 m; of "
-	"--demo grasps, 0.1 m)\n"
+	"  --mesh FILE      mesh to use (default: the bunny of glmark2-data; of the browser's demos, a shape of their own); a damaged file, "
+	"such "
+	"as OFF, may end the program: try it with `ist build` first\n"
+	"  --unit UNIT      unit of the file, in place of the one that it states: m, cm, mm, um, in, ft, or metres (default: the longest side "
+	"becomes 0.2 m; of --demo grasps, 0.1 m)\n"
+	"  --up AXIS        the file's axis that points up, which becomes y: z or -x, or z,y with another axis to become\n"
+	"  --mass KG, --friction MU  of the mesh of --demo grasps (default 0.15 and 0.5)\n"
 	"  --spheres N      spheres to pack (default 10000)\n"
 	"  --cache DIR      where trees are kept for the next run (default: the current folder; \"\": nowhere)\n"
 	"  --virtual-time   as fast as possible and reproducible, instead of at 1 kHz\n"
@@ -84,7 +89,7 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 			!wrong.empty())
 			return wrong;
 	if (!others)
-		if (std::string wrong = clash("the browser", {"--unit", "--virtual-time", "--decoupled", "--world-rate"},
+		if (std::string wrong = clash("the browser", {"--unit", "--mass", "--friction", "--virtual-time", "--decoupled", "--world-rate"},
 				"its demos scale their meshes and step as they are drawn");
 			!wrong.empty())
 			return wrong;
@@ -99,6 +104,10 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 		return clash("--paper-figures",
 			{"--scene", "--demo", "--mesh", "--unit", "--spheres", "--virtual-time", "--decoupled", "--world-rate", "--report"},
 			"it runs its own scenes in real time and writes its own page");
+	if (!given.count("--mesh") || a.demo != "grasps")
+		for (const char* name : {"--mass", "--friction"})
+			if (given.count(name)) return std::string(name) + " goes with --demo grasps --mesh FILE";
+	if (given.count("--up") && !given.count("--mesh")) return "--up goes with --mesh";
 	if (given.count("--scenes") && a.demo != "assembly") return "--scenes goes with --paper-figures and --demo assembly";
 	if (given.count("--study"))
 	{
@@ -169,17 +178,18 @@ void readContactCache(const std::string& contactCache, DemoArguments& a)
 DemoArguments parseDemoArguments(int argc, char** argv)
 {
 	DemoArguments a;
-	std::string unit, spheres, worldRate, participant, frames, dt, size, contactCache, forceError;
+	std::string unit, up, mass, friction, spheres, worldRate, participant, frames, dt, size, contactCache, forceError;
 	std::set<std::string> given;
 	const std::map<std::string, bool*> flags = {{"--list", &a.list}, {"--version", &a.version}, {"--help", &a.help}, {"-h", &a.help},
 		{"--json", &a.json}, {"--headless", &a.headless}, {"--virtual-time", &a.virtualTime}, {"--decoupled", &a.decoupled},
 		{"--beside-stock", &a.besideStock}, {"--forces", &a.forces}};
 	const std::map<std::string, std::string*> values = {{"--demo", &a.demo}, {"--scene", &a.scene}, {"--study", &a.study},
 		{"--participant", &participant}, {"--results", &a.results}, {"--paper-figures", &a.paperFigures}, {"--mesh", &a.mesh},
-		{"--report", &a.report}, {"--cache", &a.cache}, {"--scenes", &a.scenes}, {"--unit", &unit}, {"--spheres", &spheres},
-		{"--world-rate", &worldRate}, {"--frames", &frames}, {"--dt", &dt}, {"--size", &size}, {"--economy", &contactCache},
-		{"--force-error", &forceError}, {"--screenshot", &a.screenshot}, {"--record", &a.record}, {"--gallery", &a.gallery},
-		{"--window-screenshot", &a.windowScreenshot}, {"--device", &a.device}, {"--show", &a.show}, {"--save-scene", &a.saveScene}};
+		{"--report", &a.report}, {"--cache", &a.cache}, {"--scenes", &a.scenes}, {"--unit", &unit}, {"--up", &up}, {"--mass", &mass},
+		{"--friction", &friction}, {"--spheres", &spheres}, {"--world-rate", &worldRate}, {"--frames", &frames}, {"--dt", &dt},
+		{"--size", &size}, {"--economy", &contactCache}, {"--force-error", &forceError}, {"--screenshot", &a.screenshot},
+		{"--record", &a.record}, {"--gallery", &a.gallery}, {"--window-screenshot", &a.windowScreenshot}, {"--device", &a.device},
+		{"--show", &a.show}, {"--save-scene", &a.saveScene}};
 	for (int i = 1; i < argc && a.error.empty(); ++i)
 	{
 		const std::string name = argv[i];
@@ -195,8 +205,15 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 	if (!a.error.empty()) return a;
 	a.error = conflict(given, a);
 	if (!a.error.empty()) return a;
-	a.unit = positiveNumber(unit);
-	if (!unit.empty() && !(a.unit > 0)) a.error = "--unit must be a positive number of metres, not " + unit;
+	a.unit = ist::lengthUnit(unit).value_or(0);
+	if (!unit.empty() && !(a.unit > 0)) a.error = "--unit must be m, cm, mm, um, in, ft, or a positive number of metres, not " + unit;
+	a.up = ist::upAxes(up);
+	if (!up.empty() && !a.up) a.error = "--up must be an axis like z or -x, or two like z,y, not " + up;
+	a.mass = positiveNumber(mass);
+	if (!mass.empty() && !(a.mass >= 1e-3 && a.mass <= 10)) a.error = "--mass must be a number of kg from 0.001 to 10, not " + mass;
+	a.friction = positiveNumber(friction);
+	if (!friction.empty() && !(a.friction >= 0.05 && a.friction <= 5))
+		a.error = "--friction must be a number from 0.05 to 5, not " + friction;
 	if (!worldRate.empty()) a.worldRate = positiveNumber(worldRate);
 	if (!(a.worldRate >= 1 && a.worldRate <= 1000)) a.error = "--world-rate must be between 1 and 1000 Hz, not " + worldRate;
 	if (!worldRate.empty() && !a.decoupled) a.error = "--world-rate goes with --decoupled";

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletISTCollision/Core/Mesh/MeshAxes.h"
+
+#include <optional>
 #include <string>
 
 namespace scenes
@@ -11,7 +14,9 @@ struct DemoArguments
 
 	bool list = false, version = false, help = false, json = false, virtualTime = false, decoupled = false;
 	std::string demo, scene, study, results = ".", paperFigures, mesh = kDefaultMesh, report, cache = ".", scenes = "data/scenes";
-	double unit = 0;
+	double unit = 0;  ///< [m]; 0: not given
+	std::optional<ist::UpAxes> up;
+	double mass = 0, friction = 0;  ///< of the mesh of a grasp; 0: not given
 	double worldRate = 60;
 	long long spheres = 10000;
 	int participant = 0;  ///< of a study, from 1

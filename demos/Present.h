@@ -20,7 +20,8 @@ template <class Outcome> void printOutcome(const DemoArguments& a, const Outcome
 	endProgress();
 	if (a.json) std::printf("%s\n", makeJson(outcome).c_str());
 	else
-		for (const auto& row : summaryRows(outcome)) std::printf("%-44s %12s %s\n", row[0].c_str(), row[1].c_str(), row[2].c_str());
+		for (const auto& row : summaryRows(outcome))
+			row[1].empty() ? std::puts(row[0].c_str()) : std::printf("%-44s %12s %s\n", row[0].c_str(), row[1].c_str(), row[2].c_str());
 }
 
 /// The same, and writes its report. Returns the exit code.

@@ -68,6 +68,7 @@ int runBunnyQuery(const DemoArguments& a)
 	scenes::MeshToQueryOptions options;
 	options.mesh = a.mesh;
 	options.unit = a.unit;
+	options.up = a.up;
 	options.spheres = a.spheres;
 	options.progress = showProgress;
 	const ist::Result<scenes::MeshToQueryOutcome> outcome = scenes::runMeshToQuery(options);
@@ -80,6 +81,7 @@ int runContinuity(const DemoArguments& a)
 {
 	scenes::ContinuityOptions options;
 	options.mesh = a.mesh;
+	options.up = a.up;
 	options.spheres = a.spheres;
 	options.cache = a.cache;
 	options.progress = showProgress;
@@ -110,7 +112,9 @@ int runGrasps(const DemoArguments& a)
 	scenes::GraspReportOptions options;
 	options.grasp.cache = a.cache;
 	options.grasp.progress = showProgress;
-	if (a.meshGiven) options.grasp.mesh = a.mesh, options.grasp.unit = a.unit;
+	if (a.meshGiven) options.grasp.mesh = a.mesh;
+	options.grasp.file = {a.unit, a.up, a.mass};
+	if (a.friction > 0) options.enough = a.friction;
 	if (!a.report.empty()) options.maps = std::filesystem::path(a.report).replace_extension().string();
 	const auto outcome = scenes::runGraspReport(options);
 	if (!outcome) return refuse(a, outcome.error());
@@ -157,6 +161,7 @@ int runHapticBunny(const DemoArguments& a)
 	scenes::HapticBunnyOptions options;
 	options.mesh = a.mesh;
 	options.unit = a.unit;
+	options.up = a.up;
 	options.spheres = a.spheres;
 	options.cache = a.cache;
 	options.virtualTime = a.virtualTime;

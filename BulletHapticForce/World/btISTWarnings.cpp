@@ -6,6 +6,7 @@
 #include "BulletCollision/CollisionDispatch/btCollisionWorld.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <iterator>
@@ -45,12 +46,15 @@ bool hasBox(const btCollisionShape& shape)
 	constexpr double kLongest = 1e6;
 	btVector3 lower, upper;
 	shape.getAabb(btTransform::getIdentity(), lower, upper);
+	double longest = 0;
 	for (int i = 0; i < 3; ++i)
 	{
+		// The box of level ground is flat.
 		const double side = double(upper[i]) - double(lower[i]);
-		if (!(side > 0 && side < kLongest)) return false;
+		if (!(side >= 0 && side < kLongest)) return false;
+		longest = std::max(longest, side);
 	}
-	return true;
+	return longest > 0;
 }
 
 bool turnsNever(const btCollisionObject& object)

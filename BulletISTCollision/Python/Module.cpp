@@ -4,6 +4,8 @@
 #include "BulletISTCollision/Core/Base/Version.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Core/Mesh/LengthUnit.h"
+#include "BulletISTCollision/Core/Mesh/MeshAxes.h"
 #include "BulletISTCollision/Core/Tuning/ExpectedError.h"
 #include "BulletISTCollision/Python/MeshArguments.h"
 #include "BulletISTCollision/Python/OfflineWork.h"
@@ -18,6 +20,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 
 namespace py = pybind11;
 using namespace py::literals;
@@ -33,7 +36,15 @@ RepairMode repairMode(const std::string& name)
 	if (name == "auto") return RepairMode::Auto;
 	if (name == "off") return RepairMode::Off;
 	if (name == "wrap") return RepairMode::Wrap;
-	throw py::value_error("repair must be \"auto\", \"off\" or \"wrap\", not \"" + name + "\"");
+	if (name.starts_with("ground")) return RepairMode::Ground;
+	throw py::value_error("repair must be \"auto\", \"off\", \"wrap\" or like \"ground 2 y\", not \"" + name + "\"");
+}
+
+GroundClosing groundClosing(const std::string& text)
+{
+	const std::optional<GroundClosing> ground = groundFromText(text);
+	if (!ground) throw py::value_error("ground needs a depth in metres above 0, and may name the axis that points up: \"ground 2 z\"");
+	return *ground;
 }
 
 Tree build(const Doubles& vertices, const py::object& triangles, int64_t spheres, double fill, double minRadius,
@@ -50,6 +61,7 @@ Tree build(const Doubles& vertices, const py::object& triangles, int64_t spheres
 	options.targetFill = fill;
 	options.minRadius = minRadius;
 	options.repair = repairMode(repair);
+	if (options.repair == RepairMode::Ground) options.ground = groundClosing(repair);
 	options.seed = seed;
 	options.surface = surface;
 	options.threads = threads;
@@ -129,6 +141,16 @@ void warnOfNotTaken(const std::string& path, const Mesh& mesh)
 		if (PyErr_WarnEx(PyExc_UserWarning, (path + ": " + sentence).c_str(), 1) != 0) throw py::error_already_set();
 }
 
+std::optional<double> metresOf(const std::optional<std::variant<double, std::string>>& unit)
+{
+	if (!unit) return std::nullopt;
+	if (const double* metres = std::get_if<double>(&*unit)) return *metres;
+	const std::string& name = std::get<std::string>(*unit);
+	const std::optional<double> metres = lengthUnit(name);
+	if (!metres) throw py::value_error("unit must be metres, or \"m\", \"cm\", \"mm\", \"um\", \"in\" or \"ft\", not \"" + name + "\"");
+	return metres;
+}
+
 void bindFunctions(py::module_& module)
 {
 	module.def("build", &build, "vertices"_a, "triangles"_a = py::none(), py::kw_only(), "spheres"_a = int64_t(10000), "fill"_a = 1.0,
@@ -136,21 +158,27 @@ void bindFunctions(py::module_& module)
 		"progress"_a = py::none(), "surface"_a = true,
 		"A tree from a mesh [m]: vertices (n, 3) or flat, triangles (m, 3) or flat, counter-clockwise seen from outside; without "
 		"triangles, "
-		"each three vertices are one. `error`: force error at 1 % overlap to reach with at most `spheres`. `progress(stage, fraction)` may "
+		"each three vertices are one. `error`: force error at 1 % overlap to reach with at most `spheres`. `repair`: \"auto\", \"off\", "
+		"\"wrap\", or \"ground 2 y\", which closes open ground downwards, 2 m below its lowest point. `progress(stage, fraction)` may "
 		"return False to cancel. `surface=False`: without what contact below the gaps between spheres is computed from. Raises "
 		"bullethaptics.Error "
 		"with a sentence.");
 	module.def("load", &load, "path"_a, "A tree from an .ist or .ista file.");
 	module.def(
 		"read_mesh",
-		[](const std::filesystem::path& path, std::optional<double> unit) {
-			const Mesh mesh = run(py::none(), [&](const Progress& watch) { return importMesh(path.string(), unit, watch); });
+		[](const std::filesystem::path& path, const std::optional<std::variant<double, std::string>>& unit,
+			const std::optional<std::string>& up) {
+			const std::optional<double> metres = metresOf(unit);
+			const std::optional<UpAxes> axes = up ? upAxes(*up) : std::nullopt;
+			if (up && !axes) throw py::value_error("up must be an axis like \"z\" or \"-x\", or two like \"z,y\", not \"" + *up + "\"");
+			const Mesh mesh = run(py::none(), [&](const Progress& watch) { return importMesh(path.string(), metres, watch); });
 			warnOfNotTaken(path.string(), mesh);
-			return arraysFrom(mesh);
+			return arraysFrom(turnedUp(mesh, axes));
 		},
-		"path"_a, "unit"_a = py::none(),
-		"(vertices, triangles) of a mesh file [m]. `unit`, metres per unit of the file, takes the place of the one that the file states, "
-		"if any. What was not taken is a UserWarning.");
+		"path"_a, "unit"_a = py::none(), "up"_a = py::none(),
+		"(vertices, triangles) of a mesh file [m]. `unit`, metres per unit of the file or one of \"m\", \"cm\", \"mm\", \"um\", \"in\" and "
+		"\"ft\", takes the place of the one that the file states, if any. `up`, the file's axis that points up, becomes y; \"z,x\" names "
+		"another one. What was not taken is a UserWarning.");
 	module.def("query", &query, "a"_a, "b"_a, "poses"_a, py::kw_only(), "stiffness"_a = 1.0, "level"_a = -1, "max_pairs"_a = int64_t(-1),
 		"error"_a = py::none(),
 		"Overlap, force and torque of body b at `poses` in a's mesh frame, by the pressure field law with `stiffness` [Pa/m]. A dict of "

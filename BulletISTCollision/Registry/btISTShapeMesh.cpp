@@ -135,11 +135,11 @@ ist::Result<ist::Mesh> meshOfType(const btCollisionShape& shape)
 	case TRIANGLE_MESH_SHAPE_PROXYTYPE:
 	case SCALED_TRIANGLE_MESH_SHAPE_PROXYTYPE:
 	case MULTIMATERIAL_TRIANGLE_MESH_PROXYTYPE:
+	case TERRAIN_SHAPE_PROXYTYPE:
 	case FAST_CONCAVE_MESH_PROXYTYPE: return meshOfConcave(static_cast<const btConcaveShape&>(shape));
 	case CONVEX_HULL_SHAPE_PROXYTYPE: return meshOfHull(pointsOf(static_cast<const btConvexHullShape&>(shape)));
 	case CONVEX_TRIANGLEMESH_SHAPE_PROXYTYPE: return meshOfHull(pointsOf(static_cast<const btConvexTriangleMeshShape&>(shape)));
 	case MULTI_SPHERE_SHAPE_PROXYTYPE: return meshOfHull(pointsOf(static_cast<const btMultiSphereShape&>(shape)));
-	case TERRAIN_SHAPE_PROXYTYPE: return ist::Error{"terrain is a surface without an inside; Bullet's own contact goes on there"};
 	case COMPOUND_SHAPE_PROXYTYPE: return ist::Error{"a compound has no triangles of its own; attach trees to its children"};
 	default:
 		return ist::Error{std::string("a shape of the kind ") + shape.getName() +

@@ -7,6 +7,7 @@
 
 #include "BulletCollision/BroadphaseCollision/btBroadphaseInterface.h"
 #include "BulletCollision/CollisionDispatch/btCollisionWorld.h"
+#include "BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h"
 #include "BulletCollision/CollisionShapes/btStaticPlaneShape.h"
 #include "BulletCollision/Gimpact/btGImpactShape.h"
 
@@ -112,36 +113,51 @@ std::string refusalToWait(const btISTRegistry& registry, const btCollisionShape*
 }
 }  // namespace
 
+btISTPendingAttachment btISTTreeSource::refused(const btCollisionShape* shape, const std::string& error)
+{
+	auto state = std::make_unique<btISTPendingAttachment::State>();
+	state->shape = shape;
+	state->error = error;
+	return btISTPendingAttachment(std::move(state));
+}
+
+btISTPendingAttachment btISTTreeSource::build(const btCollisionShape* shape, ist::Mesh mesh, const ist::BuildOptions& options)
+{
+	const auto kept = std::make_shared<ist::Mesh>(std::move(mesh));
+	return expect(shape, shape->getLocalScaling(), [this, kept, options] { return m_worker->build(std::move(*kept), options); });
+}
+
 btISTPendingAttachment btISTTreeSource::attach(const btCollisionShape* shape)
 {
-	auto failed = std::make_unique<btISTPendingAttachment::State>();
-	failed->shape = shape;
-	failed->error = refusalToWait(m_registry, shape, awaits(shape));
-	if (!failed->error.empty()) return btISTPendingAttachment(std::move(failed));
+	if (shape && shape->getShapeType() == TERRAIN_SHAPE_PROXYTYPE) return attachGround(shape);
+	if (const std::string error = refusalToWait(m_registry, shape, awaits(shape)); !error.empty()) return refused(shape, error);
 	ist::Result<ist::Mesh> mesh = meshOfShape(*shape);
-	if (mesh)
-	{
-		const auto kept = std::make_shared<ist::Mesh>(std::move(mesh).value());
-		return expect(shape, shape->getLocalScaling(), [this, kept] { return m_worker->build(std::move(*kept), m_settings.build); });
-	}
-	failed->error = mesh.error().message;
-	return btISTPendingAttachment(std::move(failed));
+	return mesh ? build(shape, std::move(mesh).value(), m_settings.build) : refused(shape, mesh.error().message);
+}
+
+btISTPendingAttachment btISTTreeSource::attachGround(const btCollisionShape* shape, double depth, ist::SignedAxis up)
+{
+	constexpr double kDepth = 0.1;  // of the longest side
+	if (const std::string error = refusalToWait(m_registry, shape, awaits(shape)); !error.empty()) return refused(shape, error);
+	ist::Result<ist::Mesh> mesh = meshOfShape(*shape);
+	if (!mesh) return refused(shape, mesh.error().message);
+	ist::BuildOptions options = m_settings.build;
+	options.repair = ist::RepairMode::Ground;
+	options.ground = {up, depth == 0 ? kDepth * bounds(mesh.value()).longestSide() : depth};
+	if (shape->getShapeType() == TERRAIN_SHAPE_PROXYTYPE)
+		options.ground.up = {static_cast<const btHeightfieldTerrainShape*>(shape)->getUpAxis(), 1};
+	return build(shape, std::move(mesh).value(), options);
 }
 
 btISTPendingAttachment btISTTreeSource::attachAsset(const btCollisionShape* shape, const std::string& path)
 {
-	auto failed = std::make_unique<btISTPendingAttachment::State>();
-	failed->shape = shape;
-	failed->error = refusalToWait(m_registry, shape, awaits(shape));
-	if (!failed->error.empty()) return btISTPendingAttachment(std::move(failed));
+	if (const std::string error = refusalToWait(m_registry, shape, awaits(shape)); !error.empty()) return refused(shape, error);
 	return expect(shape, btVector3(1, 1, 1), [this, path] { return m_worker->load(path); });
 }
 
 btISTPendingAttachment btISTTreeSource::unknown(const char* name)
 {
-	auto state = std::make_unique<btISTPendingAttachment::State>();
-	state->error = std::string("no shape and no body of the loaded file is named \"") + name + "\"";
-	return btISTPendingAttachment(std::move(state));
+	return refused(nullptr, std::string("no shape and no body of the loaded file is named \"") + name + "\"");
 }
 
 std::vector<std::string> btISTTreeSource::assetNames(const std::string& folder)

@@ -78,8 +78,13 @@ public:
 	btISTTreeSource& operator=(const btISTTreeSource&) = delete;
 
 	/// Builds from the shape's own triangles (meshOfShape), which are copied before it returns. They include the shape's local scaling,
-	/// which must not change.
+	/// which must not change. Of a btHeightfieldTerrainShape it makes ground: attachGround(shape).
 	btISTPendingAttachment attach(const btCollisionShape* shape);
+	/// The same for open ground: a heightfield, or a static triangle mesh whose open surface faces `up` in the shape's frame. The tree's
+	/// body reaches from the surface down to a flat bottom `depth` [m] below the lowest vertex (ist::GroundClosing). A depth of 0 stands
+	/// for a tenth of the surface's longest side. A heightfield has its own axis, and `up` is ignored. The broad phase
+	/// knows the shape's own box only, so bodies wholly below it touch nothing.
+	btISTPendingAttachment attachGround(const btCollisionShape* shape, double depth = 0, ist::SignedAxis up = {});
 	/// Loads an .ist file for a shape whose local scaling is 1.
 	btISTPendingAttachment attachAsset(const btCollisionShape* shape, const std::string& path);
 	/// Loads an .ist file for the shape of this name in a loaded .bullet file, or else for the shape of the body of this name. `importer`
@@ -131,10 +136,12 @@ private:
 		const btRigidBody* body = importer.getRigidBodyByName(name);
 		return body ? body->getCollisionShape() : nullptr;
 	}
+	static btISTPendingAttachment refused(const btCollisionShape* shape, const std::string& error);
 	static btISTPendingAttachment unknown(const char* name);
 	/// Names without extension, sorted; empty if the folder cannot be read.
 	static std::vector<std::string> assetNames(const std::string& folder);
 	using Start = std::function<std::shared_ptr<const ist::TreeOrder>()>;
+	btISTPendingAttachment build(const btCollisionShape* shape, ist::Mesh mesh, const ist::BuildOptions& options);
 	btISTPendingAttachment expect(const btCollisionShape* shape, const btVector3& scaling, Start start);
 	bool hasNeighbour(const btCollisionObject& object) const;
 	void orderWhatIsNear();

@@ -65,7 +65,10 @@ BuildOptions buildOptions(const BuildArguments& a, double unit, const Progress& 
 	options.maxSpheres = a.spheres > 0 ? a.spheres : otherLimit(a) ? kMostSpheres : options.maxSpheres;
 	if (a.fill > 0) options.targetFill = a.fill;
 	options.minRadius = a.minRadius;
-	options.repair = a.repair == "off" ? RepairMode::Off : a.repair == "wrap" ? RepairMode::Wrap : RepairMode::Auto;
+	const RepairChoice repair = repairChoice(a.repair).value_or(RepairChoice());
+	options.repair = repair.mode;
+	options.ground = repair.ground;
+	if (const auto axes = upAxes(a.up)) options.ground.up = axes->to;
 	options.unit = unit;
 	options.seed = a.seed;
 	options.surface = !a.withoutSurface;
@@ -127,7 +130,7 @@ int runBuild(const BuildArguments& a)
 	if (!mesh && mesh.error().cancelled) return fail("interrupted; nothing was written", kInterrupted);
 	if (!mesh) return fail(mesh.error().message);
 	if (interrupted()) return fail("interrupted; nothing was written", kInterrupted);
-	mesh = turned(std::move(mesh).value(), a.up);
+	mesh = turnedUp(std::move(mesh).value(), upAxes(a.up));
 	const double importSeconds = seconds();
 	whole = wholeBuild(a, double(mesh.value().triangles.size()));
 	BuildTimes times;
@@ -140,7 +143,7 @@ int runBuild(const BuildArguments& a)
 	{
 		end(false);
 		return fail(a.mesh + ": " + doubtWords(repaired.value()) + "; close the mesh in a modelling program, or build it all the same " +
-			"(--accept-doubt)");
+			"(--accept-doubt)" + groundAdvice(mesh.value()));
 	}
 	const Result<InnerSphereTree> tree = !repaired ? Result<InnerSphereTree>(repaired.error())
 		: a.error > 0                              ? buildRepairedToError(mesh.value(), repaired.value(), a.error, options, &times)

@@ -14,11 +14,6 @@ namespace ist::tools
 {
 namespace
 {
-RepairMode repairMode(const std::string& name)
-{
-	return name == "off" ? RepairMode::Off : name == "wrap" ? RepairMode::Wrap : RepairMode::Auto;
-}
-
 /// Turns the mesh as `--up` turned it when the tree was built, which the asset does not record. False if no turn gives that mesh.
 bool turnAsRecorded(Mesh& mesh, uint64_t hash)
 {
@@ -49,7 +44,8 @@ Result<Mesh> packedSurface(const InnerSphereTree& tree, const std::string& path,
 	if (!mesh) return mesh.error();
 	warnOfNotTaken(path, mesh.value());
 	if (meshHash(mesh.value()) != tree.provenance.meshHash) problems.push_back("the mesh is not the one that the asset was built from");
-	const Result<RepairedMesh> repaired = repair(mesh.value(), repairMode(tree.provenance.repairMode));
+	const RepairChoice choice = repairChoice(tree.provenance.repairMode).value_or(RepairChoice());
+	const Result<RepairedMesh> repaired = repair(mesh.value(), choice.mode, {}, 1, choice.ground);
 	if (!repaired) return Error{path + ": " + repaired.error().message};
 	return translated(repaired.value().mesh, -tree.origin);
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Mesh/MeshAxes.h"
+#include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "BulletISTCollision/Core/Tuning/PairTuning.h"
 
 #include <cstdint>
@@ -24,13 +24,13 @@ enum Exit
 struct BuildArguments
 {
 	std::string mesh, output;
-	int64_t spheres = 0;   ///< 0: not given
-	double fill = 0;       ///< 0: not given
-	double minRadius = 0;  ///< 0: not given
-	double error = 0;      ///< 0: not given
-	std::string unit;      ///< empty: not given
-	std::string up;        ///< empty: not given
-	std::string repair = "auto";
+	int64_t spheres = 0;          ///< 0: not given
+	double fill = 0;              ///< 0: not given
+	double minRadius = 0;         ///< 0: not given
+	double error = 0;             ///< 0: not given
+	std::string unit;             ///< empty: not given
+	std::string up;               ///< empty: not given
+	std::string repair = "auto";  ///< or "ground 2"
 	int threads = 0;
 	uint64_t seed = 1;
 	bool withoutSurface = false, acceptDoubt = false;
@@ -95,15 +95,14 @@ int fail(const std::string& message, int code = kBadInput);
 /// The tree of an asset. The refusal of a file that may be a mesh says how to make a tree of it.
 Result<InnerSphereTree> loadTree(const std::string& path);
 
-/// The axis of a file that points up, and the axis that it becomes: y if the text names one axis only.
-struct UpAxes
+/// How `--repair` or an asset says that a mesh is repaired.
+struct RepairChoice
 {
-	SignedAxis from, to;
+	RepairMode mode = RepairMode::Auto;
+	GroundClosing ground;
 };
-/// Reads "z" or "z,-y". Empty optional for other texts.
-std::optional<UpAxes> upAxes(std::string_view text);
-/// Turns a mesh as `--up` says; an empty text turns nothing.
-Mesh turned(Mesh mesh, const std::string& up);
+/// Reads "auto", "off", "wrap" and groundText(). Empty optional for other texts.
+std::optional<RepairChoice> repairChoice(const std::string& text);
 
 /// Prints one line on stderr if a body is so large or small that its unit may be wrong.
 void askAboutSize(const std::string& path, double longestSide);

@@ -21,7 +21,9 @@ std::string withFlags(std::string sentence)
 	static constexpr std::pair<std::string_view, std::string_view> kFlags[] = {
 		{"call buildTree() with BuildOptions::maxSpheres instead", "give --spheres without --error"},
 		{"pass its unit to importMesh()", "give its unit (--unit)"}, {"RepairMode::Wrap", "--repair wrap"},
-		{"BuildOptions::maxSpheres", "--spheres"}, {"BuildOptions::targetFill", "--fill"}, {"BuildOptions::minRadius", "--min-radius"}};
+		{"RepairMode::Ground", "--repair ground DEPTH, in metres; up is y, or what --up says"},
+		{"name that axis as up", "name that axis as up (--up)"}, {"BuildOptions::maxSpheres", "--spheres"},
+		{"BuildOptions::targetFill", "--fill"}, {"BuildOptions::minRadius", "--min-radius"}};
 	for (const auto& [setting, flag] : kFlags)
 		for (size_t at = 0; (at = sentence.find(setting, at)) != sentence.npos; at += flag.size())
 			sentence.replace(at, setting.size(), flag);
@@ -136,18 +138,13 @@ Result<InnerSphereTree> loadTree(const std::string& path)
 		std::filesystem::path(path).stem().string() + ".ist"};
 }
 
-std::optional<UpAxes> upAxes(std::string_view text)
+std::optional<RepairChoice> repairChoice(const std::string& text)
 {
-	const size_t comma = text.find(',');
-	const std::optional<SignedAxis> from = signedAxis(text.substr(0, comma)),
-									to = comma == text.npos ? SignedAxis{} : signedAxis(text.substr(comma + 1));
-	return from && to ? std::optional(UpAxes{*from, *to}) : std::nullopt;
-}
-
-Mesh turned(Mesh mesh, const std::string& up)
-{
-	const std::optional<UpAxes> axes = upAxes(up);
-	return axes ? turnedUp(std::move(mesh), axes->from, axes->to) : mesh;
+	if (text == "auto") return RepairChoice{RepairMode::Auto, {}};
+	if (text == "off") return RepairChoice{RepairMode::Off, {}};
+	if (text == "wrap") return RepairChoice{RepairMode::Wrap, {}};
+	const std::optional<GroundClosing> ground = groundFromText(text);
+	return ground ? std::optional(RepairChoice{RepairMode::Ground, *ground}) : std::nullopt;
 }
 
 void askAboutSize(const std::string& path, double longestSide)

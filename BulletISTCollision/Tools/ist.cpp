@@ -8,12 +8,14 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace ist::tools
@@ -44,7 +46,7 @@ public:
 			if (const std::string sentence = unknownCommand(argv[1], commands()); !sentence.empty()) return fail(sentence, kUsage);
 		try
 		{
-			m_app.parse(argc, argv);
+			m_app.parse(arguments(argc, argv));
 		}
 		catch (const CLI::ParseError& e)
 		{
@@ -63,6 +65,23 @@ private:
 		std::vector<std::string> names;
 		for (const CLI::App* sub : m_app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(sub->get_name());
 		return names;
+	}
+
+	/// The arguments in the order that CLI11 wants, last first. The depth of `--repair ground 2` becomes a part of its value: an option
+	/// with a second value that may be missing would take the mesh for it.
+	static std::vector<std::string> arguments(int argc, char** argv)
+	{
+		std::vector<std::string> result;
+		for (int i = 1; i < argc; ++i)
+		{
+			result.emplace_back(argv[i]);
+			const bool isGround = result.back() == "--repair=ground" ||
+				(result.back() == "ground" && std::string_view(argv[i - 1]) == "--repair");
+			if (isGround && i + 1 < argc && repairChoice("ground " + std::string(argv[i + 1])))
+				result.back() += " " + std::string(argv[++i]);
+		}
+		std::reverse(result.begin(), result.end());
+		return result;
 	}
 
 	CLI::App* add(const char* name, const char* description, std::function<int()> command)
@@ -89,8 +108,8 @@ private:
 			->check(unit());
 		sub->add_option("--up", a.up, "the file's axis that points up, which becomes y: z or -x, or z,y with another axis to become")
 			->check(axes());
-		sub->add_option("--repair", a.repair, "what to do about broken meshes")
-			->check(CLI::IsMember({"auto", "off", "wrap"}))
+		sub->add_option("--repair", a.repair, "what to do about broken meshes: auto, off, wrap, or ground DEPTH [m]")
+			->check(repairs())
 			->capture_default_str();
 		sub->add_flag("--accept-doubt", a.acceptDoubt, "also build what repair may have guessed by more than half of the volume");
 		sub->add_option("--threads", a.threads, "threads (all)")->transform(integerArgument(1, 4096));
@@ -214,6 +233,16 @@ private:
 				return lengthUnit(text) ? std::string() : "must be m, cm, mm, um, in, ft, or metres as a number above 0: " + text;
 			},
 			"UNIT");
+	}
+	static CLI::Validator repairs()
+	{
+		return CLI::Validator(
+			[](std::string& text) {
+				return repairChoice(text)
+					? std::string()
+					: "must be auto, off, wrap, or ground with a depth in metres above 0 (--repair ground 2): " + text;
+			},
+			"MODE");
 	}
 	static CLI::Validator axes()
 	{

@@ -200,7 +200,9 @@ const char* BulletUnfeltBody::adviceFor(Reason reason)
 	{
 	case NoSlot: return "all slots of the hand are taken: raise BulletDecoupledSettings::slots";
 	case NoPair: return "more parts are near the tool than the hand has room for: raise BulletDecoupledSettings::slots";
-	case NoModel: return "its shape has no inside that a query knows: attach a tree to the shape (btISTWorld::attach)";
+	case NoModel:
+		return "its shape has no inside that a query knows: attach a tree to the shape (btISTWorld::attach, or for ground "
+			   "btISTTreeSource::attachGround)";
 	case NoTree: return "neither it nor the tool has a tree: attach a tree to one of the two shapes (btISTWorld::attach)";
 	case NotFinite: return "its pose or velocity is not finite, or its axes are not at right angles: correct its transform";
 	case NotSupported: return "soft bodies are not felt";

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Zlib
-"""Draws pipeline.svg and threads.svg (ARCHITECTURE.md) and glossary.svg (docs/glossary.md) beside this file. Usage: drawings.py"""
+"""Draws pipeline.svg and threads.svg (ARCHITECTURE.md), glossary.svg (docs/glossary.md) and repair.svg (docs/meshes.md) beside this file.
+Usage: drawings.py"""
 import math
 import pathlib
 
@@ -383,7 +384,68 @@ def glossary():
     drawing.text(*at((0, 172)), "darker: deeper, and more pressure", 11, QUIET)
     drawing.write("glossary.svg")
 
+# Sections of meshes before and after repair: the outlines as the file has them, and what becomes of them. An outline is (points, whether it
+# is closed, whether its normals point outwards).
+def outline(drawing, at, points, closed=True, outwards=True, colour=INK):
+    points = points + points[:1] if closed else points
+    drawing.line([at(p) for p in points], colour, 2)
+    for (x0, y0), (x1, y1) in zip(points, points[1:]):
+        length = math.hypot(x1 - x0, y1 - y0)
+        nx, ny = (y1 - y0) / length, (x0 - x1) / length
+        side = 9 if outwards else -9
+        middle = ((x0 + x1) / 2, (y0 + y1) / 2)
+        drawing.line([at(middle), at((middle[0] + side * nx, middle[1] + side * ny))], ORANGE, 1.5)
+
+
+def box(x, y, width, height):
+    """Clockwise on the page, so that normals to the left of each edge point outwards."""
+    return [(x, y), (x + width, y), (x + width, y + height), (x, y + height)]
+
+
+def area(drawing, at, outlines, colour=BLUE):
+    path = " ".join("M" + " L".join("%.1f %.1f" % at(p) for p in points) + " Z" for points in outlines)
+    drawing.add(f'<path d="{path}" fill="{colour}" fill-opacity="0.2" fill-rule="evenodd" stroke="{colour}" stroke-width="2"/>')
+
+
+def repair():
+    names = ["a hole", "an inside-out shell,", "a cavity that is filled", "parts that overlap", "open ground"]
+    more = ["closed by a fan", "a shell in solid material", "in part", "rebuilt on a grid", "closed downwards"]
+    hill = [(10, 62), (35, 48), (60, 40), (85, 52), (110, 46), (134, 60)]
+    big, right = box(10, 20, 90, 70), box(52, 38, 82, 66)
+    cross = [(10, 20), (100, 20), (100, 38), (134, 38), (134, 104), (52, 104), (52, 90), (10, 90)]
+    drawing = Drawing(820, 356, "Five meshes in section, as in the file and after repair")
+    drawing.text(16, 26, "as in the file: lines are triangles, ticks their outer side", 14, INK, weight="bold")
+    drawing.text(16, 196, "the body that is packed", 14, INK, weight="bold")
+    for i in range(5):
+        before = lambda p, x=14 + 160 * i: (x + p[0], 40 + p[1])
+        after = lambda p, x=14 + 160 * i: (x + p[0], 208 + p[1])
+        if i == 0:
+            outline(drawing, before, [(90, 20), (134, 20), (134, 104), (10, 104), (10, 20), (40, 20)], closed=False)
+            area(drawing, after, [box(10, 20, 124, 84)])
+            drawing.line([after((40, 20)), after((65, 20)), after((90, 20))], GREEN, 3)
+        elif i == 1:
+            outline(drawing, before, box(10, 20, 124, 84), outwards=False)
+            outline(drawing, before, box(50, 44, 44, 36), outwards=False, colour=QUIET)
+            area(drawing, after, [box(10, 20, 124, 84)])
+        elif i == 2:
+            outline(drawing, before, box(10, 20, 124, 84))
+            outline(drawing, before, box(40, 38, 80, 50), outwards=False)
+            outline(drawing, before, box(70, 50, 30, 30))
+            area(drawing, after, [box(10, 20, 124, 84), box(40, 38, 80, 50), box(70, 50, 30, 30)])
+        elif i == 3:
+            outline(drawing, before, big)
+            outline(drawing, before, right)
+            area(drawing, after, [cross])
+        else:
+            outline(drawing, before, hill, closed=False)
+            area(drawing, after, [hill + [(134, 104), (10, 104)]])
+            drawing.line([after((10, 62)), after((10, 104)), after((134, 104)), after((134, 60))], GREEN, 3)
+        drawing.text(14 + 160 * i + 72, 330, names[i], 12, INK, "middle")
+        drawing.text(14 + 160 * i + 72, 346, more[i], 12, INK, "middle")
+    drawing.write("repair.svg")
+
 
 pipeline()
 threads()
 glossary()
+repair()

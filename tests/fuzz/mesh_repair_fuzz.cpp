@@ -44,9 +44,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 	const ist::Mesh mesh = meshOf(data, size);
 	for (const ist::Vec3& p : mesh.vertices)
 		if (!ist::isFinite(p)) return 0;  // importMesh refuses such meshes
-	for (const ist::RepairMode mode : {ist::RepairMode::Auto, ist::RepairMode::Off})
+	for (const ist::RepairMode mode : {ist::RepairMode::Auto, ist::RepairMode::Off, ist::RepairMode::Ground})
 	{
-		const ist::Result<ist::RepairedMesh> repaired = ist::repair(mesh, mode);
+		const ist::Result<ist::RepairedMesh> repaired = ist::repair(mesh, mode, {}, 1, {{1, 1}, 1});
 		if (!fuzz::accepted(repaired)) continue;
 		require(ist::inspect(repaired.value().mesh).watertight, "what was repaired is closed");
 		require(repaired.value().volumeAfter > 0 && std::isfinite(repaired.value().volumeAfter), "it has a volume");

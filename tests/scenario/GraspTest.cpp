@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 #include "DeviceBridge/Hand/HandMotion.h"
 #include "demos/scenes/Grasp/GraspLoad.h"
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <random>
 
 using namespace devicebridge;
@@ -71,6 +73,57 @@ TEST_P(GraspScenario, HoldsWithFrictionAndDropsWithout)
 	EXPECT_TRUE(smooth.putDown);
 }
 INSTANTIATE_TEST_SUITE_P(Objects, GraspScenario, testing::ValuesIn(graspObjectNames()), [](const auto& row) { return row.param; });
+
+namespace
+{
+/// A mesh in a file with z up, for the time of a test.
+struct ZUpFile
+{
+	std::string path = (std::filesystem::temp_directory_path() / ("object" + std::to_string(std::random_device()()) + ".obj")).string();
+
+	explicit ZUpFile(const ist::Mesh& mesh)
+	{
+		std::ofstream out(path);
+		for (const Vec3& v : mesh.vertices) out << "v " << v.x << ' ' << v.y << ' ' << v.z << '\n';
+		for (const auto& t : mesh.triangles) out << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+	}
+	~ZUpFile() { std::filesystem::remove(path); }
+};
+
+ist::Result<GraspReportOutcome> graspOf(const ist::Mesh& mesh, const char* up, double mass, double friction)
+{
+	const ZUpFile file(mesh);
+	GraspReportOptions options;
+	options.grasp.mesh = file.path;
+	options.grasp.file = {1, ist::upAxes(up), mass};
+	options.grasp.cache = TREE_FOLDER;
+	options.enough = friction;
+	return runGraspReport(options);
+}
+}  // namespace
+
+// A can of 66 mm x 102 mm, as large as those of the YCB objects. On its side it is too wide, upright it is held, and a heavy slippery one
+// is lost; each with its reason.
+TEST(GraspScenarios, ACanWithZUpIsHeldOrNotWithTheReason)
+{
+	const ist::Mesh can = ist::makeCylinderMesh(0.033, 0.051, 64);
+	const auto lying = graspOf(can, "y", 0.3, 0.5);
+	ASSERT_FALSE(lying);
+	EXPECT_NE(lying.error().message.find("102 mm wide along z"), std::string::npos) << lying.error().message;
+	EXPECT_NE(lying.error().message.find("--up z makes it 66 mm wide there"), std::string::npos) << lying.error().message;
+
+	const auto upright = graspOf(can, "z", 0.3, 0.5);
+	ASSERT_TRUE(upright) << upright.error().message;
+	EXPECT_TRUE(upright.value().rows[0].rough.held);
+	EXPECT_TRUE(upright.value().ok()) << (upright.value().failures().empty() ? "" : upright.value().failures()[0]);
+	EXPECT_EQ(upright.value().rows[0].mass, 0.3);
+
+	const auto heavy = graspOf(can, "z", 5, 0.1);
+	ASSERT_TRUE(heavy) << heavy.error().message;
+	EXPECT_FALSE(heavy.value().rows[0].rough.held);
+	ASSERT_FALSE(heavy.value().failures().empty());
+	EXPECT_NE(heavy.value().failures()[0].find("it weighs 49 N"), std::string::npos) << heavy.value().failures()[0];
+}
 
 TEST(GraspScenarios, ASmallLeftHandHoldsToo)
 {
@@ -314,21 +367,40 @@ TEST(GraspReport, IsBadAsSoonAsOneGraspIs)
 	GraspReportOutcome outcome;
 	EXPECT_FALSE(outcome.ok());
 	outcome.strongestAllowed = 12;
+	outcome.palmAllowed = 60;
 	GraspReportOutcome::Row good;
-	good.rough.held = good.rough.putDown = good.rough.quality.forceClosure = true;
+	good.rough.touched = good.rough.held = good.rough.putDown = good.rough.quality.forceClosure = true;
 	good.rough.peakForce = good.smooth.peakForce = 11;
+	good.rough.palmForce = 30;  // more than a bone may, and less than the palm may
 	good.mapForce = 0.99;
 	outcome.rows = {good};
 	EXPECT_TRUE(outcome.ok());
-	for (int wrong = 0; wrong < 5; ++wrong)
+	good.rough.friction = 0.5;
+	good.rough.gripForce = 8;
+	good.mass = 1;
+	const char* const sentences[] = {"not lifted, 3 mm above its start, where more than 20 mm are asked: the parts pressed with 8 N in "
+									 "all, of which friction bears 4 N, "
+									 "and it weighs 9.8 N",
+		"held, though friction", "a bone was pressed with 12.5 N, 4.2 % more than the 12 N of its coupling; 2 % are allowed",
+		"the map has 103 % of the contacts' impulse", "no force closure",
+		"the palm was pressed with 90 N, 50 % more than the 60 N of its coupling", "touched nothing", "lost at 2.5 s",
+		"to rest on the table"};
+	for (int wrong = 0; wrong < 9; ++wrong)
 	{
 		GraspReportOutcome::Row row = good;
-		if (wrong == 0) row.rough.held = false;
+		if (wrong == 0) row.rough.held = false, row.rough.lostAt = 1.7, row.rough.lostHeight = 0.003;
+		if (wrong == 5) row.rough.palmForce = 90;
+		if (wrong == 6) row.rough.held = row.rough.touched = false, row.mapForce = 0;
+		if (wrong == 7) row.rough.held = false, row.rough.lostAt = 2.5;
+		if (wrong == 8) row.rough.putDown = false;
 		if (wrong == 1) row.smooth.held = true;
 		if (wrong == 2) row.smooth.peakForce = 12.5;
 		if (wrong == 3) row.mapForce = 1.03;
 		if (wrong == 4) row.rough.quality.forceClosure = false;
 		outcome.rows = {good, row};
 		EXPECT_FALSE(outcome.ok()) << wrong;
+		ASSERT_EQ(outcome.failures().size(), 1u) << wrong;
+		EXPECT_NE(outcome.failures()[0].find(sentences[wrong]), std::string::npos) << outcome.failures()[0];
+		EXPECT_NE(makeJson(outcome).find(sentences[wrong]), std::string::npos) << wrong;
 	}
 }

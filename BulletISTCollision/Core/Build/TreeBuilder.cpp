@@ -38,12 +38,14 @@ private:
 	double m_start = steadyMicroseconds();
 };
 
-const char* modeName(RepairMode mode)
+/// The mode as InnerSphereTree::Provenance::repairMode has it.
+std::string modeName(const BuildOptions& options)
 {
-	switch (mode)
+	switch (options.repair)
 	{
 	case RepairMode::Off: return "off";
 	case RepairMode::Wrap: return "wrap";
+	case RepairMode::Ground: return groundText(options.ground);
 	default: return "auto";
 	}
 }
@@ -59,7 +61,7 @@ void describe(InnerSphereTree& tree, const Mesh& source, const RepairedMesh& rep
 	p.unit = options.unit;
 	p.meshVolume = repaired.volumeBefore;
 	p.watertight = repaired.before.watertight;
-	p.repairMode = modeName(options.repair);
+	p.repairMode = modeName(options);
 	p.repair = repaired.actions;
 	p.requestedSpheres = options.maxSpheres;
 	p.requestedFill = options.targetFill;
@@ -136,7 +138,7 @@ Result<RepairedMesh> repairToBuild(const Mesh& mesh, const BuildOptions& options
 	if (!goesOn(options.progress, "repair", 0)) return cancelled();
 	Progress repairing;
 	if (options.progress) repairing = [&](const char* stage, double fraction) { return options.progress(stage, 0.9 * fraction); };
-	return repair(mesh, options.repair, repairing, threadCount(options.threads));
+	return repair(mesh, options.repair, repairing, threadCount(options.threads), options.ground);
 }
 
 Result<InnerSphereTree> buildRepaired(const Mesh& mesh, const RepairedMesh& repaired, const BuildOptions& options, BuildTimes* times)

@@ -20,7 +20,8 @@ struct BuildOptions
 	double targetFill = 1.0;  ///< fill, 0 to 1
 	double minRadius = 0;     ///< smallest radius [m]
 	RepairMode repair = RepairMode::Auto;
-	double unit = 1;  ///< unit of the source file, recorded in the asset; the mesh itself is already in metres
+	GroundClosing ground;  ///< for RepairMode::Ground
+	double unit = 1;       ///< unit of the source file, recorded in the asset; the mesh itself is already in metres
 	uint64_t seed = 1;
 	/// Builds the surface, too (InnerSphereTree::surface). Contact of two bodies that have one begins where their meshes touch, and is
 	/// right below the gaps between spheres. A shallow query takes several times as long as one of leaves, a deep one less.

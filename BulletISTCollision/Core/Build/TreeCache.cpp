@@ -36,10 +36,10 @@ double doubtAbout(const RepairedMesh& repaired) { return repaired.before.waterti
 std::string whyNoInside(double doubt, double mostDoubt)
 {
 	if (doubt <= mostDoubt) return {};
-	char text[200];
+	char text[300];
 	std::snprintf(text, sizeof text,
 		"the surface is open, and closing it may change its volume by %.0f %%: it has no inside that a tree could fill; "
-		"close the mesh, or leave it to Bullet",
+		"close the mesh, close it downwards if it is ground (btISTTreeSource::attachGround, BuildOptions::ground), or leave it to Bullet",
 		std::fmin(doubt, 10) * 100);
 	return text;
 }
@@ -94,10 +94,12 @@ uint64_t treeKey(const Mesh& mesh, const BuildOptions& options)
 	const uint64_t words[] = {meshHash(mesh), kAssetVersion, kBuilderVersion, uint64_t(options.maxSpheres), options.seed,
 		uint64_t(options.repair), uint64_t(options.surface)};
 	const double numbers[] = {options.targetFill, options.minRadius, options.unit, mesh.rounding};
-	std::byte bytes[sizeof words + sizeof numbers];
-	std::memcpy(bytes, words, sizeof words);
-	std::memcpy(bytes + sizeof words, numbers, sizeof numbers);
-	return checksum64(bytes, sizeof bytes);
+	const std::string ground = options.repair == RepairMode::Ground ? groundText(options.ground) : "";
+	std::string bytes(sizeof words + sizeof numbers, '\0');
+	std::memcpy(bytes.data(), words, sizeof words);
+	std::memcpy(bytes.data() + sizeof words, numbers, sizeof numbers);
+	bytes += ground;
+	return checksum64(reinterpret_cast<const std::byte*>(bytes.data()), bytes.size());
 }
 
 Result<CachedTree> cachedTree(const Mesh& mesh, const BuildOptions& options, const std::string& folder, double mostDoubt)

@@ -3,7 +3,6 @@
 
 #include "BulletISTCollision/Core/Import/MeshText.h"
 #include "BulletISTCollision/Core/Import/ObjForAssimp.h"
-#include "BulletISTCollision/Core/Import/PlyForAssimp.h"
 #include "BulletISTCollision/Core/Import/XmlTags.h"
 #include "BulletISTCollision/Core/Import/ZipArchive.h"
 
@@ -160,9 +159,9 @@ Result<MeshFileHead> readMeshFileHead(const std::string& path)
 Result<MeshFileHead> meshFileHead(const std::string& path, std::string_view content)
 {
 	const std::string ending = meshFileEnding(path);
-	if (ending == ".obj" || ending == ".ply")
+	if (ending == ".obj")
 	{
-		Result<std::optional<std::string>> text = ending == ".obj" ? objForAssimp(content) : plyForAssimp(content);
+		Result<std::optional<std::string>> text = objForAssimp(content);
 		if (!text) return Error{"cannot read " + path + ": " + text.error().message};
 		return MeshFileHead{{}, std::move(text).value()};
 	}

@@ -23,8 +23,8 @@ struct MeshFileUnit
 struct MeshFileHead
 {
 	MeshFileUnit unit;
-	/// Content that the reader must get in place of the file's own: a zipped AMF file, unpacked; XML in UTF-8; the text of an OBJ or PLY
-	/// file as assimp's reader expects it. Empty optional if the file's own content is as it should be.
+	/// Content that the reader must get in place of the file's own: a zipped AMF file, unpacked; XML in UTF-8; the text of an OBJ file
+	/// as assimp's reader expects it. Empty optional if the file's own content is as it should be.
 	std::optional<std::string> content;
 };
 

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Import/MeshImport.h"
 
+#include "BulletISTCollision/Core/Import/LeftOut.h"
 #include "BulletISTCollision/Core/Import/MeshFileUnit.h"
 #include "BulletISTCollision/Core/Import/MeshReaderWarnings.h"
+#include "BulletISTCollision/Core/Import/PlyFile.h"
 #include "BulletISTCollision/Core/Import/StlFile.h"
 #include "BulletISTCollision/Core/Import/ThreadLocale.h"
 #include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
@@ -176,14 +178,6 @@ void include(Rounding& rounding, const aiMatrix4x4& m, const aiVector3D& v)
 	add(m.c1, m.c2, m.c3, m.c4);
 }
 
-/// Numbers of the elements of a file that cannot be imported.
-struct LeftOut
-{
-	int64_t faces = 0, damaged = 0;  ///< faces: number of faces with three corners or more; damaged: number of those with invalid corners
-	int64_t firstDamaged = 0;        ///< index among the faces
-	int64_t lines = 0, points = 0;
-};
-
 /// Removes elements that are not faces, and faces with invalid corners: assimp does not check them, and triangulating them reads beyond
 /// the vertices. The part's primitive types are set to those that remain. Otherwise assimp ends the process if it expects polygons and
 /// finds none.
@@ -193,18 +187,9 @@ void removeInvalidFaces(aiMesh& part, LeftOut& out)
 	for (unsigned i = 0; i < part.mNumFaces; ++i)
 	{
 		aiFace& face = part.mFaces[i];
-		if (face.mNumIndices < 3)
-		{
-			out.points += face.mNumIndices == 1;
-			out.lines += face.mNumIndices == 2;
-			continue;
-		}
-		++out.faces;
-		if (std::any_of(face.mIndices, face.mIndices + face.mNumIndices, [&](unsigned corner) { return corner >= part.mNumVertices; }))
-		{
-			if (out.damaged++ == 0) out.firstDamaged = out.faces;
-			continue;
-		}
+		const bool isValid = std::all_of(
+			face.mIndices, face.mIndices + face.mNumIndices, [&](unsigned corner) { return corner < part.mNumVertices; });
+		if (!out.takes(face.mNumIndices, isValid)) continue;
 		kinds |= AI_PRIMITIVE_TYPE_FOR_N_INDICES(face.mNumIndices);
 		std::swap(part.mFaces[kept].mNumIndices, face.mNumIndices);
 		std::swap(part.mFaces[kept++].mIndices, face.mIndices);
@@ -248,23 +233,13 @@ void forgetDeletedPictures(aiScene& scene, const Assimp::Importer& importer)
 	scene.mNumTextures = 0;
 }
 
-/// "1 line", "3 lines"
-std::string counted(int64_t n, const char* thing) { return std::to_string(n) + " " + thing + (n == 1 ? "" : "s"); }
-
-std::vector<std::string> sentences(const LeftOut& out, const std::vector<std::string>& warnings)
+/// What assimp says about faces of damaged files.
+std::vector<std::string> sentences(const std::vector<std::string>& warnings)
 {
 	std::vector<std::string> all;
-	if (out.damaged)
-		all.push_back(std::to_string(out.damaged) + " of " + counted(out.faces, "face") + " " + (out.damaged == 1 ? "was" : "were") +
-			" left out: they name corners that are not in the file, the first is face " + std::to_string(out.firstDamaged) +
-			"; export the mesh again.");
 	for (const std::string& warning : warnings)
 		all.push_back("The reader left faces out, or gave them other corners, because the file is damaged (\"" + warning +
 			"\"); export the mesh again.");
-	const std::string both = out.lines && out.points ? " and " : "";
-	if (out.lines || out.points)
-		all.push_back((out.lines ? counted(out.lines, "line") : "") + both + (out.points ? counted(out.points, "point") : "") +
-			(out.lines + out.points == 1 ? " was" : " were") + " left out: they have no surface.");
 	return all;
 }
 
@@ -341,19 +316,26 @@ TexturedMesh gather(const aiScene& scene, double unit, Wanted wanted, ImportProg
 	return textured;
 }
 
-std::optional<Error> checkPlaces(const TexturedMesh& textured, const aiScene& scene, const std::string& path)
+std::optional<Error> notFinitePlace(const TexturedMesh& textured, const std::string& path)
 {
-	const std::vector<aiMesh*> parts = partsOf(scene);
-	for (std::size_t i = 0; i < parts.size(); ++i)
-		if ((parts[i]->mPrimitiveTypes & aiPrimitiveType_TRIANGLE) && !parts[i]->HasTextureCoords(0))
-			return Error{path + ": part " + std::to_string(i + 1) + " of " + std::to_string(parts.size()) +
-				" has no texture coordinates; unwrap the mesh (in Blender: Edit Mode, U, Smart UV Project) and export it with them"};
 	for (std::size_t t = 0; t < textured.places.size(); ++t)
 		for (const TexturePlace& place : textured.places[t])
 			if (!std::isfinite(place.u) || !std::isfinite(place.v))
 				return Error{path + ": the texture coordinates of triangle " + std::to_string(t) + " at " +
 					ist::place(textured.mesh.vertices[textured.mesh.triangles[t][0]]) + " are not finite; export the mesh again"};
 	return std::nullopt;
+}
+
+constexpr const char* kUnwrap = "unwrap the mesh (in Blender: Edit Mode, U, Smart UV Project) and export it with them";
+
+std::optional<Error> checkPlaces(const TexturedMesh& textured, const aiScene& scene, const std::string& path)
+{
+	const std::vector<aiMesh*> parts = partsOf(scene);
+	for (std::size_t i = 0; i < parts.size(); ++i)
+		if ((parts[i]->mPrimitiveTypes & aiPrimitiveType_TRIANGLE) && !parts[i]->HasTextureCoords(0))
+			return Error{path + ": part " + std::to_string(i + 1) + " of " + std::to_string(parts.size()) +
+				" has no texture coordinates; " + kUnwrap};
+	return notFinitePlace(textured, path);
 }
 
 std::optional<Error> whyNoMeshFile(const std::string& path)
@@ -448,10 +430,7 @@ Result<TexturedMesh> readByAssimp(
 	// The cast is safe: the importer owns the scene and returns it as const.
 	if (scene) forgetDeletedPictures(const_cast<aiScene&>(*scene), importer);
 	const LeftOut leftOut = scene ? removeInvalidFaces(*scene) : LeftOut();
-	if (2 * leftOut.damaged > leftOut.faces)
-		return Error{path + ": " + std::to_string(leftOut.damaged) + " of its " + counted(leftOut.faces, "face") +
-			" name corners that are not in the file, the first is face " + std::to_string(leftOut.firstDamaged) +
-			"; export the mesh again"};
+	if (const auto sentence = leftOut.tooDamaged()) return Error{path + ": " + *sentence};
 	if (scene) scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
 	if (importProgress.cancelled()) return Error{"the import was cancelled", true};
 	if (!scene || !scene->mRootNode)
@@ -468,7 +447,8 @@ Result<TexturedMesh> readByAssimp(
 	if (const auto error = whyUnusable(textured.mesh, path, worst)) return *error;
 	if (wanted == Wanted::SurfaceAndPlaces)
 		if (auto error = checkPlaces(textured, *scene, path)) return *error;
-	textured.mesh.notTaken = sentences(leftOut, warnings.ofFaces());
+	textured.mesh.notTaken = leftOut.sentences();
+	for (std::string& sentence : sentences(warnings.ofFaces())) textured.mesh.notTaken.push_back(std::move(sentence));
 	if (auto sentence = given ? scale.value().notTaken : unitOfFbx(*scene, importer, given))
 		textured.mesh.notTaken.push_back(*std::move(sentence));
 	return textured;
@@ -512,11 +492,32 @@ Result<TexturedMesh> readStlFile(const std::string& path, double unit, Wanted wa
 	return textured;
 }
 
+Result<TexturedMesh> readPlyFile(const std::string& path, double unit, Wanted wanted, ImportProgress& importProgress)
+{
+	const Result<std::string> bytes = bytesOf(path, importProgress);
+	if (!bytes) return bytes.error();
+	Result<PlySurface> read = readPly(bytes.value(), [&](double done) { return importProgress.reach(kReading * (0.5 + 0.5 * done)); });
+	if (!read) return read.error().cancelled ? read.error() : Error{"cannot read " + path + ": " + read.error().message};
+	TexturedMesh textured = std::move(read.value().textured);
+	Mesh& mesh = textured.mesh;
+	const double worst = read.value().isDouble ? 0 : blur(bounds(mesh));
+	for (Vec3& v : mesh.vertices) v = unit * v;
+	mesh.unit = unit;
+	mesh.rounding = std::max(mesh.rounding, worst);
+	if (const auto error = whyUnusable(mesh, path, worst)) return *error;
+	if (wanted == Wanted::Surface) textured.places.clear();
+	else if (textured.places.empty()) return Error{path + " has no texture coordinates; " + kUnwrap};
+	else if (auto error = notFinitePlace(textured, path)) return *error;
+	return textured;
+}
+
 Result<TexturedMesh> readMesh(const std::string& path, const std::optional<double>& given, Wanted wanted, ImportProgress& importProgress)
 {
 	if (const auto error = whyNoMeshFile(path)) return *error;
-	Result<TexturedMesh> read = meshFileEnding(path) == ".stl" ? readStlFile(path, given.value_or(1), wanted, importProgress)
-															   : readByAssimp(path, given, wanted, importProgress);
+	const std::string ending = meshFileEnding(path);
+	Result<TexturedMesh> read = ending == ".stl" ? readStlFile(path, given.value_or(1), wanted, importProgress)
+		: ending == ".ply"                       ? readPlyFile(path, given.value_or(1), wanted, importProgress)
+												 : readByAssimp(path, given, wanted, importProgress);
 	if (read && !importProgress.reach(1)) return Error{"the import was cancelled", true};
 	return read;
 }

@@ -11,7 +11,7 @@
 
 namespace ist
 {
-/// Reads every triangle of a file, of an STL file itself and of any other format that assimp knows through it, with the scene's node
+/// Reads every triangle of a file, of STL and PLY files itself and of any other format that assimp knows through it, with the scene's node
 /// transforms applied, in metres. Points, lines and faces with invalid corners are left out, and `Mesh::notTaken` says so. Some readers
 /// give such faces other corners (OFF, AC, 3DS); `notTaken` says that, too. Duplicate positions are not welded; repair does that.
 ///
@@ -26,7 +26,7 @@ namespace ist
 ///
 /// Progress stage "import": the share of the file's bytes that were read, then of the parts that were taken. Cancelling takes effect once
 /// the file is parsed. The result does not depend on the program's locale. Read untrusted files in a process of their own (`ist build`),
-/// because assimp 5.2.5 may crash on damaged OFF and PLY files.
+/// because assimp 5.2.5 may crash on damaged files, such as OFF.
 Result<Mesh> importMesh(const std::string& path, std::optional<double> unit = std::nullopt, const Progress& progress = {});
 
 /// Reads the same triangles in the same order, with their first set of texture coordinates. Further errors: a part without texture

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Import/MeshFileVertices.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
 
 namespace ist
@@ -13,4 +14,5 @@ Error refused(const std::string& path)
 
 Result<Mesh> importMesh(const std::string& path, std::optional<double>, const Progress&) { return refused(path); }
 Result<TexturedMesh> importTexturedMesh(const std::string& path, std::optional<double>, const Progress&) { return refused(path); }
+Result<std::vector<Vec3>> importVertices(const std::string& path, std::optional<double>) { return refused(path); }
 }  // namespace ist

@@ -102,4 +102,13 @@ std::optional<double> numberInText(std::string_view word)
 	const double size = isSmall ? 0 : std::numeric_limits<double>::infinity();
 	return word.front() == '-' ? -size : size;
 }
+
+std::string quotedText(std::string_view text)
+{
+	constexpr size_t kLongest = 40;
+	std::string quoted(text.substr(0, kLongest));
+	std::ranges::replace_if(
+		quoted, [](char c) { return c < ' ' || c > '~'; }, '?');
+	return '"' + quoted + '"';
+}
 }  // namespace ist

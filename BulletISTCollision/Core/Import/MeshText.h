@@ -17,4 +17,7 @@ bool needsUtf8(std::string_view bytes);
 /// The number that a word of a mesh file states: finite, infinite or NaN; a decimal comma is read as a point, and a number that is too
 /// small as zero. Empty optional if the word is no number. The result does not depend on the locale.
 std::optional<double> numberInText(std::string_view word);
+
+/// A piece of a file for a message: in quotes, at most 40 bytes of it, with "?" for each byte that is not printable ASCII.
+std::string quotedText(std::string_view text);
 }  // namespace ist

@@ -113,8 +113,7 @@ Result<Unexpected> inspect(std::string_view text)
 		if (lines.continues()) continue;
 		found.hasTexture = found.hasTexture || hasKeyword(content, "vt");
 		if (const std::string_view word = hasKeyword(content, "v") ? noNumberIn(content) : std::string_view(); !word.empty())
-			return Error{
-				"\"" + std::string(word.substr(0, 40)) + "\" in line " + std::to_string(lines.number()) + " is no number; export it again"};
+			return Error{quotedText(word) + " in line " + std::to_string(lines.number()) + " is no number; export it again"};
 		if (found.hasTexture || found.namesTexture || !hasKeyword(content, "f")) continue;
 		std::string_view rest = content;
 		while (!rest.empty() && !found.namesTexture) found.namesTexture = namesTexture(takeWord(rest));
@@ -143,5 +142,29 @@ Result<std::optional<std::string>> objForAssimp(std::string_view bytes)
 		else out += line;
 	}
 	return std::optional(std::move(out));
+}
+
+std::vector<Vec3> objVertices(std::string_view text)
+{
+	std::vector<Vec3> vertices;
+	for (Lines lines(text); lines.next();)
+	{
+		std::string_view content = lines.content();
+		if (lines.continues() || !hasKeyword(content, "v")) continue;
+		takeWord(content);
+		std::vector<double> numbers;
+		while (numbers.size() < 5)
+		{
+			std::string_view word = takeWord(content);
+			if (word.ends_with(',')) word.remove_suffix(1);
+			const std::optional<double> number = numberInText(word);
+			if (!number) break;
+			numbers.push_back(*number);
+		}
+		const double weight = numbers.size() == 4 && numbers[3] != 0 ? numbers[3] : 1;
+		numbers.resize(3);
+		vertices.push_back(Vec3{numbers[0], numbers[1], numbers[2]} / weight);
+	}
+	return vertices;
 }
 }  // namespace ist

@@ -2,10 +2,12 @@
 #pragma once
 
 #include "BulletISTCollision/Core/Base/Result.h"
+#include "BulletISTCollision/Core/Base/Vec3.h"
 
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace ist
 {
@@ -15,4 +17,8 @@ namespace ist
 /// Error, as the end of a sentence that begins with the path: a coordinate that is no number, which assimp would read as another number
 /// ("-1.#IND" as -1). "nan" and "inf" are numbers here.
 Result<std::optional<std::string>> objForAssimp(std::string_view bytes);
+
+/// The positions in the "v" lines of such a text, in their order. A fourth number is a weight that the others are divided by; six are a
+/// position and a colour.
+std::vector<Vec3> objVertices(std::string_view text);
 }  // namespace ist

@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/Mesh/MeshAxes.h"
 
 #include <array>
+#include <utility>
 
 namespace ist
 {
@@ -14,6 +15,8 @@ std::optional<SignedAxis> signedAxis(std::string_view text)
 	result.axis = (text[0] | 0x20) - 'x';
 	return result;
 }
+
+std::string axisName(SignedAxis axis) { return (axis.sign < 0 ? "-" : "") + std::string(1, char('x' + axis.axis)); }
 
 Mesh turnedUp(Mesh mesh, SignedAxis from, SignedAxis to)
 {
@@ -38,4 +41,14 @@ Mesh turnedUp(Mesh mesh, SignedAxis from, SignedAxis to)
 	}
 	return mesh;
 }
+
+std::optional<UpAxes> upAxes(std::string_view text)
+{
+	const size_t comma = text.find(',');
+	const std::optional<SignedAxis> from = signedAxis(text.substr(0, comma)),
+									to = comma == text.npos ? SignedAxis{} : signedAxis(text.substr(comma + 1));
+	return from && to ? std::optional(UpAxes{*from, *to}) : std::nullopt;
+}
+
+Mesh turnedUp(Mesh mesh, const std::optional<UpAxes>& axes) { return axes ? turnedUp(std::move(mesh), axes->from, axes->to) : mesh; }
 }  // namespace ist

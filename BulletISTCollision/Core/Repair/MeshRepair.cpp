@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
+#include "BulletISTCollision/Core/Mesh/MatchingVertices.h"
 #include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
 #include "BulletISTCollision/Core/Mesh/MeshEdges.h"
 #include "BulletISTCollision/Core/Repair/MeshCuts.h"
@@ -24,9 +25,6 @@ namespace
 {
 /// Share of the longest side within which positions are equal in Auto mode, if the mesh is open otherwise.
 constexpr double kNearlyEqual = 1e-9;
-/// A second limit of the distance between equal positions, as a multiple of the mesh's rounding. It is used if the mesh is still open. Each
-/// of two corners may be off by one value along each axis.
-constexpr double kRoundedApart = 4;
 /// Share of the area times the longest side. A smaller volume counts as none, however far apart the parts that enclose it are.
 constexpr double kFlat = 1e-9;
 constexpr int64_t kMostCuts = 1000;
@@ -220,11 +218,11 @@ void weldSeams(Attempt& attempt, OppositePairs policy)
 {
 	const double side = bounds(attempt.mesh).longestSide();
 	WeldedVertices all;
-	for (const double apart : {kNearlyEqual, kRoundedApart * attempt.mesh.rounding})
+	for (const double apart : {kNearlyEqual * side, weldingTolerance(attempt.mesh)})
 	{
 		const std::vector<uint32_t> open = verticesOfOpenEdges(attempt.mesh);
-		if (open.empty() || !(apart * side > 0)) break;
-		const WeldedVertices welded = weldNear(attempt.mesh, open, apart * side);
+		if (open.empty() || !(apart > 0)) break;
+		const WeldedVertices welded = weldNear(attempt.mesh, open, apart);
 		all.count += welded.count;
 		all.doubt += welded.doubt;
 		if (welded.count) clean(attempt, policy);
@@ -295,6 +293,20 @@ Attempt closeUp(const Mesh& welded, Steps& steps)
 	return withoutWalls.isManifold() || !attempt.state.watertight || withoutWalls.doubt < attempt.doubt ? withoutWalls : attempt;
 }
 
+/// Closes the surface downwards, and settles its shells.
+Result<Attempt> closeGround(const Mesh& welded, const GroundClosing& ground)
+{
+	Attempt attempt = cleaned(welded, OppositePairs::KeepOne);
+	const int64_t open = attempt.state.openEdges;
+	if (auto error = closeDownwards(attempt.mesh, ground)) return *std::move(error);
+	attempt.actions.push_back("Closed the surface downwards from " + counted(open, "open edge", "open edges") + ", to a bottom " +
+		number(ground.depth) + " m below its lowest point.");
+	attempt.state = closedness(attempt.mesh);
+	if (attempt.state.watertight) settle(attempt);
+	attempt.mesh = withoutUnusedVertices(attempt.mesh);
+	return attempt;
+}
+
 /// Replaces the mesh by its wrap. Returns an error if that fails.
 std::optional<Error> wrap(Attempt& attempt, const Progress& progress, int threads)
 {
@@ -323,7 +335,7 @@ std::string firstBadEdge(const Mesh& mesh)
 	return found ? ", the first at " + place(*found) : "";
 }
 
-Error notClosed(const Mesh& mesh, const Closedness& found, const char* remedy)
+Error notClosed(const Mesh& mesh, const Closedness& found, const std::string& remedy)
 {
 	std::string list;
 	const auto add = [&](int64_t count, const char* singular, const char* plural) {
@@ -356,7 +368,8 @@ std::optional<Error> wrapOpen(Attempt& attempt, const Mesh& welded, Steps& steps
 	const Error open = notClosed(rebuilt.mesh, rebuilt.state,
 		"what is missing may be as much as the body; rebuild it on a grid (RepairMode::Wrap), which takes what it surrounds for the body, "
 		"or "
-		"close it in a modelling program and export it again");
+		"close it in a modelling program and export it again" +
+			groundAdvice(welded));
 	rebuilt.actions.push_back("Left " + counted(attempt.holes, "hole", "holes") + " open: closing them would have taken the body apart.");
 	rebuilt.doubt += ambiguousVolume(rebuilt.mesh, kProbes);
 	if (auto error = wrap(rebuilt, steps.upTo(0.95), threads)) return error;
@@ -466,7 +479,7 @@ Error enclosesNothing(const Mesh& mesh, const std::string& found)
 		return Error{"the surface passes through itself " + extent(bounds(mesh)) +
 			", so that as much of what it encloses is inside out as is not; "
 			"part it where it crosses itself and turn what is inside out"};
-	return Error{"the mesh is flat" + found + " " + extent(bounds(mesh)) + "; give it thickness"};
+	return Error{"the mesh is flat" + found + " " + extent(bounds(mesh)) + "; give it thickness" + groundAdvice(mesh)};
 }
 
 /// Moves the attempt into the result, unless it encloses nothing.
@@ -483,7 +496,8 @@ std::optional<Error> finish(Attempt& attempt, const Mesh& welded, RepairMode mod
 	result.volumeDoubt = attempt.doubt;
 	result.actions = std::move(attempt.actions);
 	const double change = result.volumeAfter - result.volumeBefore;
-	if (std::fabs(change) > 1e-9 * result.volumeAfter && number(result.volumeBefore) != number(result.volumeAfter))
+	if (mode != RepairMode::Ground && std::fabs(change) > 1e-9 * result.volumeAfter &&
+		number(result.volumeBefore) != number(result.volumeAfter))
 		result.actions.push_back("The volume changed from " + number(result.volumeBefore) + " to " + number(result.volumeAfter) + " m^3.");
 	return std::nullopt;
 }
@@ -501,7 +515,7 @@ Closedness inspect(const Mesh& mesh)
 	return found;
 }
 
-Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode, const Progress& progress, int threads)
+Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode, const Progress& progress, int threads, const GroundClosing& ground)
 {
 	const Error cancelled{"the repair was cancelled", true};
 	Steps steps(progress);
@@ -514,7 +528,12 @@ Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode, const Progress& p
 	result.volumeBefore = massProperties(mesh).volume;
 	if (!steps.reach(0.2)) return cancelled;
 
-	Attempt attempt = mode == RepairMode::Off ? asGiven(welded) : mode == RepairMode::Wrap ? prepareToWrap(welded) : closeUp(welded, steps);
+	Result<Attempt> prepared = mode == RepairMode::Off ? asGiven(welded)
+		: mode == RepairMode::Wrap                     ? prepareToWrap(welded)
+		: mode == RepairMode::Ground                   ? closeGround(welded, ground)
+													   : Result<Attempt>(closeUp(welded, steps));
+	if (!prepared) return prepared.error();
+	Attempt attempt = std::move(prepared).value();
 	if (!steps.goesOn()) return cancelled;
 	if (mode == RepairMode::Wrap)
 	{
@@ -525,11 +544,12 @@ Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode, const Progress& p
 	}
 	if (!attempt.state.watertight)
 		return notClosed(attempt.mesh, attempt.state,
-			mode == RepairMode::Off
-				? "use the automatic repair"
-				: "rebuild it on a grid (RepairMode::Wrap), which takes what it surrounds for the body, or close it in a "
-				  "modelling program and export it again");
-	if (mode == RepairMode::Auto)
+			(mode == RepairMode::Off
+					? "use the automatic repair"
+					: "rebuild it on a grid (RepairMode::Wrap), which takes what it surrounds for the body, or close it in a "
+					  "modelling program and export it again") +
+				groundAdvice(welded));
+	if (mode == RepairMode::Auto || mode == RepairMode::Ground)
 		if (const auto error = settleCuts(attempt, welded, result.cuts, steps, threads)) return *error;
 	if (!steps.goesOn()) return cancelled;
 	if (const auto error = finish(attempt, welded, mode, result)) return *error;

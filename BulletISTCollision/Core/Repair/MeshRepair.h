@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Base/Progress.h"
 #include "BulletISTCollision/Core/Base/Result.h"
 #include "BulletISTCollision/Core/Mesh/Mesh.h"
+#include "BulletISTCollision/Core/Repair/MeshGround.h"
 
 #include <string>
 #include <vector>
@@ -28,8 +29,9 @@ enum class RepairMode
 {
 	Auto,  ///< weld, drop degenerate and duplicate triangles, orient, close holes, settle shells; wrap a surface that cuts itself badly,
 		   ///< unless that loses more than it corrects
-	Off,  ///< weld exactly equal positions only; refuse a mesh that is not watertight
-	Wrap  ///< rebuild the boundary of the inside on a grid (MeshWrap.h), for any triangles
+	Off,    ///< weld exactly equal positions only; refuse a mesh that is not watertight
+	Wrap,   ///< rebuild the boundary of the inside on a grid (MeshWrap.h), for any triangles
+	Ground  ///< as Auto, but close an open surface downwards to a flat bottom (MeshGround.h) in place of closing its holes
 };
 
 /// A mesh that is ready for packing: welded, oriented outwards, closed.
@@ -50,6 +52,7 @@ struct RepairedMesh
 Closedness inspect(const Mesh& mesh);
 
 /// Repairs a mesh. Errors: the mesh is empty or flat (no volume), or it is open and cannot be closed. The message says what was found and
-/// how much of it. Progress stage "repair". The result does not depend on the number of threads.
-Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode = RepairMode::Auto, const Progress& progress = {}, int threads = 1);
+/// how much of it. Progress stage "repair". The result does not depend on the number of threads. `ground`: used by RepairMode::Ground.
+Result<RepairedMesh> repair(
+	const Mesh& mesh, RepairMode mode = RepairMode::Auto, const Progress& progress = {}, int threads = 1, const GroundClosing& ground = {});
 }  // namespace ist

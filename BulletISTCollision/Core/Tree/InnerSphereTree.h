@@ -46,7 +46,7 @@ struct InnerSphereTree
 		double unit = 1;                  ///< metres per unit of the source file
 		double meshVolume = 0;            ///< volume of the mesh as read [m^3]
 		bool watertight = false;          ///< whether the mesh was closed as read
-		std::string repairMode;           ///< "auto", "off", "wrap"
+		std::string repairMode;           ///< "auto", "off", "wrap", or groundText()
 		std::vector<std::string> repair;  ///< actions of the repair
 		int64_t requestedSpheres = 0;
 		double requestedFill = 1, requestedMinRadius = 0;

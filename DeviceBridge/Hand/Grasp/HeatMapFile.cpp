@@ -2,9 +2,11 @@
 #include "DeviceBridge/Hand/Grasp/HeatMapFile.h"
 
 #include "BulletISTCollision/Core/Asset/AtomicFile.h"
+#include "BulletISTCollision/Core/Mesh/MatchingVertices.h"
 #include "DeviceBridge/Hand/HandParts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <locale>
@@ -86,11 +88,21 @@ HeatMapColour heatMapColour(const HeatMap& map, const HeatMap::Vertex& v, HeatMa
 	return {mixed(kBare.r, full.r, u), mixed(kBare.g, full.g, u), mixed(kBare.b, full.b, u)};
 }
 
-std::optional<Error> saveHeatMap(const HeatMap& map, const std::string& path, HeatMapColours colours, int part)
+namespace
 {
-	if (part >= map.parts()) return Error{"the heat map has no part " + std::to_string(part) + ", only " + std::to_string(map.parts())};
-	const std::vector<HeatMap::Vertex> values = map.vertices(part);
-	const Mesh& mesh = map.mesh();
+/// What a file contains: vertices with values, and triangles between them.
+struct Rows
+{
+	std::vector<Vec3> places;
+	std::vector<HeatMap::Vertex> values;
+	std::vector<std::array<uint32_t, 3>> triangles;
+	size_t ofFile = 0;  ///< number of vertices, the first ones, that are those of a mesh file
+};
+
+std::optional<Error> saveRows(const HeatMap& map, const Rows& rows, const std::string& path, HeatMapColours colours)
+{
+	const std::vector<HeatMap::Vertex>& values = rows.values;
+	const bool hasOthers = rows.ofFile > 0 && rows.ofFile < values.size();
 	Bytes file;
 	file.add("ply\nformat binary_little_endian 1.0\ncomment lengths in metres; part is the label of GRAB, 0 for none\ncomment grasps " +
 		std::to_string(map.grasps()) + "\n");
@@ -98,24 +110,73 @@ std::optional<Error> saveHeatMap(const HeatMap& map, const std::string& path, He
 	file.add("property uchar red\nproperty uchar green\nproperty uchar blue\n");
 	file.add("property float contact\nproperty float dwell\nproperty float impulse\nproperty float pressure\nproperty float "
 			 "peak_pressure\nproperty int part\n");
-	file.add("element face " + std::to_string(mesh.triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n");
+	if (hasOthers) file.add("property int file_vertex\n");
+	file.add("element face " + std::to_string(rows.triangles.size()) + "\nproperty list uchar int vertex_indices\nend_header\n");
 	for (size_t i = 0; i < values.size(); ++i)
 	{
 		const HeatMap::Vertex& v = values[i];
-		const Vec3& p = mesh.vertices[i];
+		const Vec3& p = rows.places[i];
 		file.add(i == 0 ? notALineBreak(float(p.x)) : float(p.x));
 		file.add(float(p.y)), file.add(float(p.z));
 		const HeatMapColour colour = heatMapColour(map, v, colours);
 		file.add(colour.r), file.add(colour.g), file.add(colour.b);
 		for (const double x : {v.contact, v.dwell, v.impulse, v.pressure, v.peak}) file.add(float(x));
 		file.add(std::uint32_t(v.part < 0 ? 0 : map.partId(v.part)));
+		if (hasOthers) file.add(i < rows.ofFile ? std::uint32_t(i) : std::uint32_t(-1));
 	}
-	for (const auto& t : mesh.triangles)
+	for (const auto& t : rows.triangles)
 	{
 		file.add(std::uint8_t(3));
 		for (const uint32_t corner : t) file.add(corner);
 	}
 	return save(path, file.all().data(), file.all().size());
+}
+
+std::optional<Error> noSuchPart(const HeatMap& map, int part)
+{
+	if (part < map.parts()) return std::nullopt;
+	return Error{"the heat map has no part " + std::to_string(part) + ", only " + std::to_string(map.parts())};
+}
+}  // namespace
+
+std::optional<Error> saveHeatMap(const HeatMap& map, const std::string& path, HeatMapColours colours, int part)
+{
+	if (auto error = noSuchPart(map, part)) return error;
+	return saveRows(map, {map.mesh().vertices, map.vertices(part), map.mesh().triangles, 0}, path, colours);
+}
+
+std::optional<Error> saveHeatMapOfFile(
+	const HeatMap& map, const std::vector<Vec3>& file, const std::string& path, HeatMapColours colours, int part)
+{
+	if (auto error = noSuchPart(map, part)) return error;
+	const Mesh& mesh = map.mesh();
+	const std::vector<int64_t> matching = matchingVertices(file, mesh, weldingTolerance(mesh));
+	const std::vector<HeatMap::Vertex> values = map.vertices(part);
+	constexpr uint32_t kNone = UINT32_MAX;
+	std::vector<uint32_t> rowOf(mesh.vertices.size(), kNone);
+	Rows rows{file, std::vector<HeatMap::Vertex>(file.size()), mesh.triangles, file.size()};
+	bool some = false;
+	for (size_t i = 0; i < matching.size(); ++i)
+	{
+		if (matching[i] < 0) continue;
+		const auto vertex = size_t(matching[i]);
+		some = true;
+		rows.values[i] = values[vertex];
+		if (rowOf[vertex] == kNone) rowOf[vertex] = uint32_t(i);
+	}
+	if (!some)
+		return Error{"none of the " + std::to_string(file.size()) +
+			" vertices of the file is a vertex of the heat map; move and scale them as its mesh was, and do not rebuild it on a grid"};
+	for (size_t v = 0; v < rowOf.size(); ++v)
+	{
+		if (rowOf[v] != kNone) continue;
+		rowOf[v] = uint32_t(rows.places.size());
+		rows.places.push_back(mesh.vertices[v]);
+		rows.values.push_back(values[v]);
+	}
+	for (auto& t : rows.triangles)
+		for (uint32_t& corner : t) corner = rowOf[corner];
+	return saveRows(map, rows, path, colours);
 }
 
 std::string heatMapTable(const HeatMap& map)

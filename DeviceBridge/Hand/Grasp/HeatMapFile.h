@@ -5,6 +5,8 @@
 #include "DeviceBridge/Hand/Grasp/HeatMap.h"
 
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace devicebridge
 {
@@ -30,6 +32,13 @@ HeatMapColour heatMapColour(const HeatMap& map, const HeatMap::Vertex& found, He
 /// one part; -1: all. Writes the whole file or none.
 std::optional<ist::Error> saveHeatMap(
 	const HeatMap& map, const std::string& path, HeatMapColours colours = HeatMapColours::Fingers, int part = -1);
+
+/// The same in the order of the mesh file that the map's mesh was made of. The file's vertices come first, in its order, each with the
+/// values of the map's vertex at its place; a vertex of which repair left nothing is untouched. The map's other vertices follow, which
+/// repair and division added. If there are such, a last property `file_vertex` (int) has the index of each vertex in the file, and -1 for
+/// those. `file`: importVertices(), moved and scaled as the map's mesh was. Further error: none of them is a vertex of the map.
+std::optional<ist::Error> saveHeatMapOfFile(const HeatMap& map, const std::vector<ist::Vec3>& file, const std::string& path,
+	HeatMapColours colours = HeatMapColours::Fingers, int part = -1);
 
 /// A table with a header and a row for each part that touched, comma separated:
 /// part,id,area_m2,dwell_s,mean_force_N,peak_force_N,impulse_Ns,grasps,largest_depth_m,peak_pressure_Pa

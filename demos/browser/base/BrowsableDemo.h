@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Base/Progress.h"
 #include "BulletISTCollision/Core/Base/Result.h"
+#include "BulletISTCollision/Core/Mesh/MeshAxes.h"
 #include "demos/browser/drawing/DrawChoice.h"
 #include "demos/browser/drawing/DrawList.h"
 #include "demos/scenes/Pages/HtmlReport.h"
@@ -74,6 +75,7 @@ struct ContactCacheChoice
 struct DemoOptions
 {
 	std::string mesh;                 ///< mesh file for demos that take any mesh; empty: a generated mesh
+	std::optional<ist::UpAxes> up;    ///< turn of that mesh
 	std::string cache;                ///< folder for trees; empty: trees are not stored
 	long long spheres = 0;            ///< number of spheres; 0: the demo's default
 	ContactCacheChoice contactCache;  ///< used by programs that run demos; see BrowsableDemo::setContactCache

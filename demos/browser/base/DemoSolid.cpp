@@ -48,7 +48,7 @@ Result<Mesh> chosenMesh(const DemoOptions& options, double size, const Mesh& oth
 	if (options.mesh.empty()) return otherwise;
 	Result<Mesh> read = importMesh(options.mesh, std::nullopt, options.progress);
 	if (!read) return read;
-	Mesh mesh = std::move(read).value();
+	Mesh mesh = turnedUp(std::move(read).value(), options.up);
 	const Box box = bounds(mesh);
 	if (!(box.longestSide() > 0)) return Error{options.mesh + ": all points of the mesh are in one place"};
 	for (Vec3& p : mesh.vertices) p = (size / box.longestSide()) * (p - 0.5 * (box.lower + box.upper));

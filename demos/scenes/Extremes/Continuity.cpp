@@ -208,7 +208,7 @@ Result<ContinuityOutcome> runContinuity(const ContinuityOptions& options)
 	const auto go = [&](const char* stage, double fraction) { return !options.progress || options.progress(stage, fraction); };
 	const Result<Mesh> read = importMesh(options.mesh, std::nullopt, options.progress);
 	if (!read) return read.error();
-	Mesh mesh = read.value();
+	Mesh mesh = turnedUp(read.value(), options.up);
 	const double scale = kLongestSide / bounds(mesh).longestSide();
 	for (Vec3& p : mesh.vertices) p *= scale;
 	const Result<RepairedMesh> repaired = repair(mesh, RepairMode::Auto, options.progress);

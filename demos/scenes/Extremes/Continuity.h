@@ -4,10 +4,12 @@
 #include "BulletISTCollision/Core/Base/Progress.h"
 #include "BulletISTCollision/Core/Base/Result.h"
 #include "BulletISTCollision/Core/Base/Vec3.h"
+#include "BulletISTCollision/Core/Mesh/MeshAxes.h"
 #include "demos/scenes/Bodies/RodProbe.h"
 #include "demos/scenes/Pages/HtmlReport.h"
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +20,8 @@ namespace scenes
 /// (ContinuumGrid) at the same pose.
 struct ContinuityOptions
 {
-	std::string mesh;  ///< mesh file; y points up; its longest side is scaled to 0.2 m
+	std::string mesh;  ///< mesh file; y points up, unless `up` turns it; its longest side is scaled to 0.2 m
+	std::optional<ist::UpAxes> up;
 	int64_t spheres = 10000, rodSpheres = 4000;
 	std::string cache;        ///< folder for trees; empty: trees are not stored
 	double spacing = 2.5e-4;  ///< spacing of the grid [m]

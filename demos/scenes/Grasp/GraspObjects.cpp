@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/Grasp/GraspObjects.h"
 
+#include "BulletISTCollision/Core/Import/MeshFileVertices.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Core/Mesh/MatchingVertices.h"
 #include "BulletISTCollision/Core/Mesh/MeshDivision.h"
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "demos/scenes/Bodies/ImplicitMesh.h"
@@ -107,25 +109,48 @@ Result<Mesh> bunny()
 	return std::move(repaired).value().mesh;
 }
 
-/// Extent along z of a body's section at height `y`, within a hand's breadth of x = 0.
-struct Reach
+/// Where a hand grips a body that stands on its lowest point: across z at the height of its centre of mass.
+struct Grip
 {
-	double low = 1e300, high = -1e300;
+	Vec3 foot;                          ///< below the centre of mass, at the height of the lowest point
+	double height = 0;                  ///< above the foot [m]
+	double low = 1e300, high = -1e300;  ///< extent along z of the section at that height, within a hand's breadth of the middle [m]
+	double width() const { return std::max(high - low, 0.0); }
 };
-Reach reachAt(const Mesh& mesh, double y)
+Grip gripOf(const Mesh& mesh)
 {
-	Reach reach;
+	const Vec3 middle = massProperties(mesh).centerOfMass;
+	Grip grip;
+	grip.foot = {middle.x, bounds(mesh).lower.y, middle.z};
+	grip.height = std::max(middle.y - grip.foot.y, kLowestGrip);
+	const double y = grip.foot.y + grip.height;
+	const auto reach = [&](const Vec3& p) {
+		grip.low = std::min(grip.low, p.z);
+		grip.high = std::max(grip.high, p.z);
+	};
 	for (const auto& t : mesh.triangles)
 		for (size_t c = 0; c < 3; ++c)
 		{
 			const Vec3 &a = mesh.vertices[t[c]], &b = mesh.vertices[t[(c + 1) % 3]];
 			if ((a.y > y) == (b.y > y)) continue;
 			const Vec3 p = a + (y - a.y) / (b.y - a.y) * (b - a);
-			if (std::fabs(p.x) > kHandBreadth / 2) continue;
-			reach.low = std::min(reach.low, p.z);
-			reach.high = std::max(reach.high, p.z);
+			if (std::fabs(p.x - middle.x) <= kHandBreadth / 2) reach(p);
 		}
-	return reach;
+	return grip;
+}
+
+std::string millimetres(double metres) { return std::to_string(std::lround(1e3 * metres)) + " mm"; }
+
+/// "turn it (--up z makes it 58 mm wide there), or ": the axes of the file that, turned up, make it narrow enough. `mesh`: turned by `up`.
+std::string narrowerTurns(const Mesh& mesh, const std::optional<UpAxes>& up)
+{
+	const Mesh file = up ? turnedUp(mesh, up->to, up->from) : mesh;
+	std::string turns;
+	for (const SignedAxis axis : {SignedAxis{1, 1}, SignedAxis{2, 1}, SignedAxis{0, 1}})
+		if (const double width = gripOf(turnedUp(file, axis, {1, 1})).width(); width > 0 && width <= kWidestGrip)
+			turns += (turns.empty() ? "" : ", ") + std::string("--up ") + axisName(axis) + " makes it " + millimetres(width) +
+				" wide there";
+	return turns.empty() ? "" : "turn it (" + turns + "), or ";
 }
 
 /// Reads the surface of a file, with texture coordinates if it contains some.
@@ -191,33 +216,40 @@ Result<GraspObject> makeGraspObject(const std::string& name)
 	return Error{"nothing to grasp is called " + name + ": there are " + known};
 }
 
-Result<GraspObject> loadGraspObject(const std::string& path, double unit)
+Result<GraspObject> loadGraspObject(const std::string& path, const GraspFile& file)
 {
-	Result<TexturedMesh> read = readSurface(path, unit > 0 ? std::optional(unit) : std::nullopt);
+	Result<TexturedMesh> read = readSurface(path, file.unit > 0 ? std::optional(file.unit) : std::nullopt);
 	if (!read) return read.error();
-	TexturedMesh file = std::move(read).value();
-	const double scale = unit > 0 ? 1 : kLoadedSize / bounds(file.mesh).longestSide();
-	for (Vec3& p : file.mesh.vertices) p = scale * p;
-	Result<RepairedMesh> repaired = repair(file.mesh);
+	TexturedMesh surface = std::move(read).value();
+	const double scale = file.unit > 0 ? 1 : kLoadedSize / bounds(surface.mesh).longestSide();
+	for (Vec3& p : surface.mesh.vertices) p = scale * p;
+	surface.mesh = turnedUp(std::move(surface.mesh), file.up);
+	const Result<RepairedMesh> repaired = repair(surface.mesh);
 	if (!repaired) return Error{path + ": " + repaired.error().message};
-	Mesh mesh = std::move(repaired).value().mesh;
-	const Vec3 middle = massProperties(mesh).centerOfMass, foot{middle.x, bounds(mesh).lower.y, middle.z};
+	const Mesh& mesh = repaired.value().mesh;
+	const Grip grip = gripOf(mesh);
+	if (!(grip.width() > 0))
+		return Error{path + ": there is nothing between thumb and fingers at the height of " + millimetres(grip.height) + ": " +
+			narrowerTurns(mesh, file.up) + "give another --unit"};
+	if (grip.width() > kWidestGrip)
+		return Error{path + ": it is " + millimetres(grip.width()) + " wide along z where it would be gripped, and the hand opens to " +
+			millimetres(kWidestGrip) + ": " + narrowerTurns(mesh, file.up) + "give another --unit"};
 	GraspObject object;
 	object.name = std::filesystem::path(path).stem().string();
-	object.mesh = dividedMesh(translated(mesh, -foot), kLoadedEdge);
-	if (!file.places.empty()) object.texture = {translated(file.mesh, -foot), std::move(file.places)};
-	object.mass = kLoadedMass;
-	object.gripHeight = std::max(middle.y - foot.y, kLowestGrip);
-	const Reach reach = reachAt(object.mesh, object.gripHeight);
-	object.width = reach.high - reach.low;
-	object.gripZ = 0.5 * (reach.low + reach.high);
-	if (!(object.width > 0))
-		return Error{path + ": there is nothing between thumb and fingers at the height of " +
-			std::to_string(int(1e3 * object.gripHeight)) + " mm: give another --unit"};
-	if (object.width > kWidestGrip)
-		return Error{path + ": it is " + std::to_string(int(std::lround(1e3 * object.width))) +
-			" mm wide along z where it would be gripped, and the hand opens to " + std::to_string(int(1e3 * kWidestGrip)) +
-			" mm: turn it, or give another --unit"};
+	object.mesh = dividedMesh(translated(mesh, -grip.foot), kLoadedEdge);
+	if (!surface.places.empty()) object.texture = {translated(surface.mesh, -grip.foot), std::move(surface.places)};
+	Result<std::vector<Vec3>> vertices = importVertices(path, file.unit > 0 ? std::optional(file.unit) : std::nullopt);
+	if (!vertices) return vertices.error();
+	Mesh points{std::move(vertices).value(), {}};
+	for (Vec3& p : points.vertices) p = scale * p;
+	points = translated(turnedUp(std::move(points), file.up), -grip.foot);
+	const std::vector<int64_t> matching = matchingVertices(points.vertices, object.mesh, weldingTolerance(object.mesh));
+	// A mesh that was rebuilt on a grid has no vertices of the file.
+	if (std::any_of(matching.begin(), matching.end(), [](int64_t vertex) { return vertex >= 0; })) object.fileVertices = points.vertices;
+	object.mass = file.mass > 0 ? file.mass : kLoadedMass;
+	object.gripHeight = grip.height;
+	object.width = grip.width();
+	object.gripZ = 0.5 * (grip.low + grip.high) - grip.foot.z;
 	return object;
 }
 }  // namespace scenes

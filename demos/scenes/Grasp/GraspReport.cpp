@@ -14,13 +14,44 @@ namespace
 {
 constexpr double kForceSlack = 1.02, kMapSlack = 0.02;
 
-bool isGood(const GraspReportOutcome::Row& row, double strongest)
+std::string of(const GraspOutcome& o) { return o.object + ", friction " + formatNumber(o.friction, 2) + ": "; }
+
+/// Why an object was not held.
+std::string whyLost(const GraspOutcome& o, double mass)
 {
+	if (!o.touched)
+		return of(o) + "the hand closed and touched nothing, as where an object is lower than it: turn it (--up), or give another --unit.";
+	const bool lifted = o.lostAt > GraspMotion::kLifted + 0.01;
+	return of(o) + (lifted ? "lost at " + formatNumber(o.lostAt, 2) + " s" : "not lifted") + ", " + formatNumber(1e3 * o.lostHeight, 2) +
+		" mm above its start, where more than " + formatNumber(1e3 * GraspOutcome::kOffTable, 2) +
+		" mm are asked: the parts pressed with " + formatNumber(o.gripForce, 2) + " N in all, of which friction bears " +
+		formatNumber(o.friction * o.gripForce, 2) + " N, and it weighs " + formatNumber(9.81 * mass, 2) + " N.";
+}
+
+void judgeForce(std::vector<std::string>& failures, const GraspOutcome& o, const char* part, double force, double limit)
+{
+	if (force > kForceSlack * limit)
+		failures.push_back(of(o) + part + " was pressed with " + formatNumber(force, 3) + " N, " +
+			formatNumber(100 * (force / limit - 1), 2) + " % more than the " + formatNumber(limit, 3) + " N of its coupling; " +
+			formatNumber(100 * (kForceSlack - 1), 2) + " % are allowed.");
+}
+
+void judge(std::vector<std::string>& failures, const GraspReportOutcome& all, const GraspReportOutcome::Row& row)
+{
+	if (!row.rough.held) failures.push_back(whyLost(row.rough, row.mass));
 	for (const GraspOutcome* o : {&row.rough, &row.smooth})
-		if (o->peakForce > kForceSlack * strongest) return false;
-	if (std::fabs(row.mapForce - 1) > kMapSlack || !row.rough.held) return false;
+	{
+		judgeForce(failures, *o, "a bone", o->peakForce, all.strongestAllowed);
+		judgeForce(failures, *o, "the palm", o->palmForce, all.palmAllowed);
+	}
+	if (row.rough.touched && !(std::fabs(row.mapForce - 1) <= kMapSlack))
+		failures.push_back(of(row.rough) + "the map has " + formatNumber(100 * row.mapForce, 4) + " % of the contacts' impulse, and " +
+			formatNumber(100 * kMapSlack, 2) + " % off are allowed.");
 	// A user's own body may be unable to stand, or the hand may hook it, so only the holding is judged.
-	return row.own || (row.rough.putDown && row.rough.quality.forceClosure && !row.smooth.held);
+	if (row.own) return;
+	if (!row.rough.putDown) failures.push_back(of(row.rough) + "it did not come to rest on the table at the end.");
+	if (!row.rough.quality.forceClosure) failures.push_back(of(row.rough) + "the grasp has no force closure.");
+	if (row.smooth.held) failures.push_back(of(row.smooth) + "held, though friction should not bear its weight.");
 }
 
 Chart chartOf(const GraspOutcome& o, const std::string& title, const std::string& label, double GraspSample::*value, double scale)
@@ -37,7 +68,9 @@ Chart chartOf(const GraspOutcome& o, const std::string& title, const std::string
 
 Result<TextureScales> saveMaps(const devicebridge::HeatMap& map, const GraspObject& object, const std::string& path)
 {
-	if (auto error = devicebridge::saveHeatMap(map, path + ".ply")) return *error;
+	if (auto error = object.fileVertices.empty() ? devicebridge::saveHeatMap(map, path + ".ply")
+												 : devicebridge::saveHeatMapOfFile(map, object.fileVertices, path + ".ply"))
+		return *error;
 	if (auto error = devicebridge::saveHeatMapTable(map, path + ".csv")) return *error;
 	if (object.texture.places.empty()) return TextureScales();
 	return saveTextures(map, object.texture, path);
@@ -72,17 +105,18 @@ Result<GraspReportOutcome::Row> runRow(const std::string& object, const GraspRep
 }
 }  // namespace
 
-bool GraspReportOutcome::ok() const
+std::vector<std::string> GraspReportOutcome::failures() const
 {
-	for (const Row& row : rows)
-		if (!isGood(row, strongestAllowed)) return false;
-	return !rows.empty();
+	std::vector<std::string> all;
+	for (const Row& row : rows) judge(all, *this, row);
+	return all;
 }
 
 Result<GraspReportOutcome> runGraspReport(const GraspReportOptions& options)
 {
 	GraspReportOutcome outcome;
-	outcome.strongestAllowed = devicebridge::BulletHandSettings().maxForce;
+	outcome.strongestAllowed = options.grasp.hand.maxForce;
+	outcome.palmAllowed = options.grasp.hand.palmForce;
 	const bool own = !options.grasp.mesh.empty();
 	for (const std::string& object : own ? std::vector<std::string>{std::string()} : graspObjectNames())
 	{
@@ -96,11 +130,13 @@ Result<GraspReportOutcome> runGraspReport(const GraspReportOptions& options)
 std::vector<std::vector<std::string>> summaryRows(const GraspReportOutcome& o)
 {
 	std::vector<std::vector<std::string>> rows = {{"Result", o.ok() ? "ok" : "FAILED", ""}};
+	for (const std::string& failure : o.failures()) rows.push_back({"  " + failure, "", ""});
 	for (const GraspReportOutcome::Row& row : o.rows)
 	{
 		const std::string name = row.rough.object + ", friction " + formatNumber(row.rough.friction, 2) + ": ";
 		rows.push_back({name + (row.rough.held ? "held, slip" : "LOST, slip"), formatNumber(1e3 * row.rough.slip, 2), "mm"});
-		rows.push_back({name + "strongest part", formatNumber(row.rough.peakForce, 3), "N"});
+		rows.push_back({name + "strongest bone, of " + formatNumber(o.strongestAllowed, 3), formatNumber(row.rough.peakForce, 3), "N"});
+		rows.push_back({name + "palm, of " + formatNumber(o.palmAllowed, 3), formatNumber(row.rough.palmForce, 3), "N"});
 		rows.push_back({name + "all parts, at rest in the air", formatNumber(row.rough.holdingForce, 3), "N"});
 		rows.push_back(
 			{name + "epsilon", formatNumber(row.rough.quality.epsilon, 3), row.rough.quality.forceClosure ? "N, closed" : "N, NOT closed"});
@@ -144,12 +180,13 @@ HtmlReport makeReport(const GraspReportOutcome& o)
 std::string makeJson(const GraspReportOutcome& o)
 {
 	using Json = JsonValue;
-	Json json = {{"schema", 1}, {"demo", "grasps"}, {"ok", o.ok()}, {"grasps", Json::list()}};
+	Json json = {{"schema", 1}, {"demo", "grasps"}, {"ok", o.ok()}, {"failures", Json::list()}, {"grasps", Json::list()}};
+	for (const std::string& failure : o.failures()) json["failures"].append(failure);
 	for (const GraspReportOutcome::Row& row : o.rows)
 		for (const GraspOutcome* g : {&row.rough, &row.smooth})
 			json["grasps"].append({{"object", g->object}, {"mass", row.mass}, {"friction", g->friction}, {"held", g->held},
 				{"put_down", g->putDown}, {"slip", g->slip}, {"slip_angle", g->slipAngle}, {"peak_force", g->peakForce},
-				{"coupling_force", g->couplingForce}, {"holding_force", g->holdingForce}, {"parts", g->parts},
+				{"palm_force", g->palmForce}, {"coupling_force", g->couplingForce}, {"holding_force", g->holdingForce}, {"parts", g->parts},
 				{"force_closure", g->quality.forceClosure}, {"epsilon", g->quality.epsilon}, {"energy_residual", g->energy.residual},
 				{"white_impulse", row.scales.impulse}, {"white_pressure", row.scales.pressure}, {"complaints", g->complaints}});
 	return json.dump();

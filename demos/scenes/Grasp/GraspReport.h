@@ -29,11 +29,14 @@ struct GraspReportOutcome
 		double mapForce = 0;                              ///< impulse on the map's vertices, divided by that of the contacts
 	};
 	std::vector<Row> rows;
-	double strongestAllowed = 0;  ///< largest force that a coupling may exert [N]
+	double strongestAllowed = 0;  ///< largest force that the coupling of a bone may exert [N]
+	double palmAllowed = 0;       ///< largest force that the coupling of the palm may exert [N]
 
-	/// True when objects are held and dropped as friction demands, and grasps have force closure. No force may exceed what the couplings
-	/// exert, and the map must contain all of it. The user's own mesh must only be held.
-	bool ok() const;
+	/// What is wrong, a sentence each with the limit and the excess; empty if all is well. Objects must be held and dropped as friction
+	/// demands, and grasps have force closure. No force may exceed what the coupling of its part exerts, and the map must contain all of
+	/// it. The user's own mesh must only be held.
+	std::vector<std::string> failures() const;
+	bool ok() const { return !rows.empty() && failures().empty(); }
 };
 ist::Result<GraspReportOutcome> runGraspReport(const GraspReportOptions& options);
 

@@ -15,14 +15,13 @@ namespace scenes
 {
 namespace
 {
-constexpr double kOffTable = 0.02;  // height of the object's centre of mass above its start when it is lifted [m]
 constexpr double kTableStiffness = 5e7;
 constexpr double kSampleEvery = 0.01;
 }  // namespace
 
 Result<std::unique_ptr<GraspScene>> GraspScene::make(const GraspOptions& options)
 {
-	Result<GraspObject> object = options.mesh.empty() ? makeGraspObject(options.object) : loadGraspObject(options.mesh, options.unit);
+	Result<GraspObject> object = options.mesh.empty() ? makeGraspObject(options.object) : loadGraspObject(options.mesh, options.file);
 	if (!object) return object.error();
 	const GloveHandSize size{options.left, options.handLength};
 	Result<HandShape> shape = measureHand(posedHand({}, size));
@@ -149,13 +148,16 @@ public:
 		for (int i = 0; i < kHandParts; ++i)
 		{
 			now.force += norm(touch.force[i]);
-			now.strongest = std::max(now.strongest, norm(touch.force[i]));
+			if (i == kHandPart) now.palm = norm(touch.force[i]);
+			else now.strongest = std::max(now.strongest, norm(touch.force[i]));
 			if (i != kHandPart) m_out.couplingForce = std::max(m_out.couplingForce, norm(m_scene.hand().coupling(i).force));
 		}
 		now.parts = touch.parts;
 		now.pairs = double(touch.pairs);
 		m_out.peakForce = std::max(m_out.peakForce, now.strongest);
+		m_out.palmForce = std::max(m_out.palmForce, now.palm);
 		lookAtSlip(now);
+		lookAtGrip(now);
 		lookAtHold(now);
 		if (now.time + 1e-9 < m_nextSample) return;
 		m_nextSample += kSampleEvery;
@@ -166,7 +168,7 @@ public:
 	{
 		m_out.held = m_held;
 		m_out.holdingForce = m_holds > 0 ? m_out.holdingForce / m_holds : 0;
-		m_out.putDown = height() - m_startHeight < kOffTable && double(m_scene.body().getLinearVelocity().length()) < 0.05;
+		m_out.putDown = height() - m_startHeight < GraspOutcome::kOffTable && double(m_scene.body().getLinearVelocity().length()) < 0.05;
 		m_out.energy = m_scene.energy();
 		m_out.complaints = m_scene.hand().trackingMonitor().complaints().sentence();
 		return std::move(m_out);
@@ -184,7 +186,19 @@ private:
 		now.slip = distance(X_PB.translation, m_X_PB.translation);
 		m_out.slip = std::max(m_out.slip, now.slip);
 		m_out.slipAngle = std::max(m_out.slipAngle, norm(rotationVector(quaternion(X_PB.rotation * transpose(m_X_PB.rotation)))));
-		m_held = m_held && now.height > kOffTable && now.parts > 0;
+		if (m_held && !(now.height > GraspOutcome::kOffTable && now.parts > 0))
+		{
+			m_held = false;
+			m_out.lostAt = now.time;
+			m_out.lostHeight = now.height;
+		}
+	}
+
+	void lookAtGrip(const GraspSample& now)
+	{
+		if (!m_held || now.time < GraspMotion::kClosed || now.time > GraspMotion::kShaken) return;
+		m_out.touched = m_out.touched || now.parts > 0;
+		m_out.gripForce = std::max(m_out.gripForce, now.force);
 	}
 
 	/// Measures the hold while the object is still in the air, between turning and shaking.

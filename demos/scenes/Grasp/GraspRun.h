@@ -19,7 +19,7 @@ struct GraspOptions
 {
 	std::string object = "mug";
 	std::string mesh;       ///< mesh file that replaces the object (loadGraspObject)
-	double unit = 0;        ///< unit of that file [m]; 0: loadGraspObject chooses
+	GraspFile file;         ///< how that file is read
 	double friction = 0.5;  ///< friction coefficient of the pair
 	bool left = false;
 	double handLength = 0.189;  ///< [m]
@@ -88,7 +88,8 @@ struct GraspSample
 {
 	double time = 0, height = 0;  ///< time [s], and height of the object's centre of mass above its start [m]
 	double force = 0;             ///< sum of the magnitudes of the forces on the hand's parts [N]
-	double strongest = 0;         ///< largest of these forces [N]
+	double strongest = 0;         ///< largest of these forces on a bone [N]
+	double palm = 0;              ///< force on the palm [N]
 	double slip = 0;              ///< path of the object in the palm since it was lifted [m]
 	int parts = 0;                ///< number of parts that touch
 	double pairs = 0;
@@ -96,14 +97,20 @@ struct GraspSample
 
 struct GraspOutcome
 {
+	static constexpr double kOffTable = 0.02;  ///< height of the object's centre of mass above its start when it is lifted [m]
 	std::string object;
 	double friction = 0;
 	bool held = false;         ///< true: off the table from the end of lifting to the end of shaking
 	bool putDown = false;      ///< true: at rest on the table at the end, upright or not
 	double slip = 0;           ///< largest path of the centre of mass in the palm's frame between lifting and the end of shaking [m]
 	double slipAngle = 0;      ///< largest rotation in that time [rad]
-	double peakForce = 0;      ///< largest force on one part at any time [N]
-	double couplingForce = 0;  ///< largest force that a coupling exerted [N]
+	double peakForce = 0;      ///< largest force on one bone at any time [N]
+	double palmForce = 0;      ///< largest force on the palm at any time [N]
+	double couplingForce = 0;  ///< largest force that the coupling of a bone exerted [N]
+	double gripForce = 0;      ///< largest sum of the forces on the parts from closing to the end of shaking, or until it was lost [N]
+	double lostAt = 0;         ///< time at which it was lost: near the table, or without a touch [s]; 0: held
+	double lostHeight = 0;     ///< height above its start at that time [m]
+	bool touched = false;      ///< true: a part touched it after closing
 	double holdingForce = 0;   ///< sum of the forces on the parts, averaged over the rest before shaking [N]
 	int parts = 0;             ///< number of parts in contact during that rest
 	devicebridge::GraspQuality quality;  ///< grasp quality during that rest

@@ -49,7 +49,7 @@ Result<Mesh> sourceMesh(const HapticBunnyOptions& options, double& unit)
 	const std::optional<double> stated = options.unit > 0 ? std::optional(options.unit) : std::nullopt;
 	Result<Mesh> read = options.mesh.empty() ? Result<Mesh>(options.given) : importMesh(options.mesh, stated);
 	if (!read) return read.error();
-	Mesh mesh = std::move(read).value();
+	Mesh mesh = turnedUp(std::move(read).value(), options.up);
 	const double scale = options.mesh.empty() ? stated.value_or(1) : stated ? 1 : kLongestSide / bounds(mesh).longestSide();
 	for (Vec3& p : mesh.vertices) p *= scale;
 	unit = scale * mesh.unit;

@@ -4,10 +4,12 @@
 #include "BulletISTCollision/Core/Base/Progress.h"
 #include "BulletISTCollision/Core/Base/Result.h"
 #include "BulletISTCollision/Core/Mesh/Mesh.h"
+#include "BulletISTCollision/Core/Mesh/MeshAxes.h"
 #include "DeviceBridge/Safety/SafetyLimiter.h"
 #include "demos/scenes/Extremes/ProbePath.h"
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,9 +20,10 @@ namespace scenes
 /// mode the world steps at its own rate in its own thread; in virtual time both take turns.
 struct HapticBunnyOptions
 {
-	std::string mesh;  ///< mesh file; its y axis points up
-	ist::Mesh given;   ///< used when `mesh` is empty [m]
-	double unit = 0;   ///< unit of the file [m]; 0: the longest side becomes 0.2 m
+	std::string mesh;  ///< mesh file; its y axis points up, unless `up` turns it
+	std::optional<ist::UpAxes> up;
+	ist::Mesh given;  ///< used when `mesh` is empty [m]
+	double unit = 0;  ///< unit of the file [m]; 0: the longest side becomes 0.2 m
 	int64_t spheres = 10000;
 	uint64_t seed = 1;
 	std::string cache;  ///< folder for trees; empty: trees are not stored

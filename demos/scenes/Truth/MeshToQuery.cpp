@@ -137,7 +137,7 @@ Result<MeshToQueryOutcome> runMeshToQuery(const MeshToQueryOptions& options)
 {
 	Result<Mesh> imported = importMesh(options.mesh, options.unit > 0 ? std::optional(options.unit) : std::nullopt);
 	if (!imported) return imported.error();
-	Mesh mesh = std::move(imported).value();
+	Mesh mesh = turnedUp(std::move(imported).value(), options.up);
 	MeshToQueryOutcome outcome;
 	outcome.mesh = options.mesh;
 	const double scale = options.unit > 0 ? 1 : 0.2 / bounds(mesh).longestSide();

@@ -4,8 +4,10 @@
 #include "BulletISTCollision/Core/Base/Progress.h"
 #include "BulletISTCollision/Core/Base/Result.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Mesh/MeshAxes.h"
 #include "demos/scenes/Pages/HtmlReport.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +17,8 @@ namespace scenes
 struct MeshToQueryOptions
 {
 	std::string mesh;
-	double unit = 0;  ///< unit of the file [m]; 0: the longest side becomes 0.2 m
+	std::optional<ist::UpAxes> up;  ///< turn of that mesh
+	double unit = 0;                ///< unit of the file [m]; 0: the longest side becomes 0.2 m
 	int64_t spheres = 10000;
 	int steps = 400;
 	int comparisons = 20;                      ///< number of steps that are compared with quadrature

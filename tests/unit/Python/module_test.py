@@ -329,10 +329,33 @@ class Refusals(Shared):
         self.refused(ValueError, "shape (n, 3)", bh.build, vertices[:, :2], triangles)
         self.refused(ValueError, "each three vertices", bh.build, vertices)
         self.refused(ValueError, "repair", bh.build, vertices, triangles, repair="maybe")
+        for text in ("ground", "ground 0", "ground 1 w"):
+            self.refused(ValueError, "depth", bh.build, vertices, triangles, repair=text)
         self.refused(ValueError, "spheres", bh.build, vertices, triangles, spheres=0)
         self.refused(bh.Error, "", bh.build, np.zeros((0, 3)), np.zeros((0, 3), int))
         self.refused(bh.Error, "", bh.build, np.where(vertices > .4, np.nan, vertices), triangles)
         self.refused(bh.Error, "nowhere.ist", bh.load, "nowhere.ist")
+
+    def test_units_and_axes_of_files(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "point.obj"
+            path.write_text("v 1 2 3\nv 4 5 7\nv 0 1 0\nf 1 2 3\n")
+            plain = bh.read_mesh(path)[0]
+            for unit, metres in (("mm", .001), ("in", .0254), ("0.5", .5), (.25, .25), (2, 2)):
+                np.testing.assert_allclose(bh.read_mesh(path, unit=unit)[0], plain * metres, rtol=1e-12)
+            np.testing.assert_array_equal(bh.read_mesh(path, up="z")[0], plain[:, [0, 2, 1]] * (1, 1, -1))
+            np.testing.assert_array_equal(bh.read_mesh(path, up="y,x")[0], plain[:, [1, 0, 2]] * (1, -1, 1))
+            self.refused(ValueError, "unit must be metres, or", bh.read_mesh, path, unit="miles")
+            self.refused(ValueError, "up must be an axis", bh.read_mesh, path, up="up")
+
+    def test_open_ground(self):
+        """A square of four triangles about a hill, closed 0.5 m deep: the prism and the pyramid."""
+        corners = np.array([[0, 0, 0], [2, 0, 0], [2, 0, 2], [0, 0, 2], [1, .3, 1]])
+        hill = np.array([(0, 4, 1), (1, 4, 2), (2, 4, 3), (3, 4, 0)])
+        self.refused(bh.Error, "ground that faces y", bh.build, corners * (1, 0, 1), hill, spheres=50)
+        tree = bh.build(corners, hill, spheres=50, repair="ground 0.5 y")
+        self.assertAlmostEqual(tree.volume, 4 * .5 + 4 * .3 / 3, 9)
+        self.assertTrue(any("Closed the surface downwards" in sentence for sentence in tree.repair))
 
     def test_poses(self):
         def ask(pose):

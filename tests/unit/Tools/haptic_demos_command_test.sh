@@ -100,6 +100,17 @@ expect "scenes are for the figures" 2 "--scenes goes with --paper-figures" "$dem
 expect "continuity has no world" 2 "--demo continuity goes without --world-rate" "$demos" --demo continuity --world-rate 100
 expect "the Z-width has no mesh" 2 "--demo z-width goes without --mesh" "$demos" --demo z-width --mesh x.obj
 expect "a grasp of a mesh that is not there" 1 "x.obj" "$demos" --demo grasps --mesh x.obj
+expect "a mass needs a mesh" 2 "--mass goes with --demo grasps --mesh FILE" "$demos" --demo grasps --mass 1
+expect "an axis needs a mesh" 2 "--up goes with --mesh" "$demos" --demo grasps --up z
+expect "an axis is checked" 2 "--up must be an axis like z or -x, or two like z,y, not w" "$demos" --demo grasps --mesh x.obj --up w
+expect "a friction is checked" 2 "--friction must be a number from 0.05 to 5, not -1" "$demos" --demo grasps --mesh x.obj --friction -1
+expect "a mass is checked" 2 "--mass must be a number of kg from 0.001 to 10, not 1kg" "$demos" --demo grasps --mesh x.obj --mass 1kg
+expect "a unit is checked" 2 "--unit must be m, cm, mm, um, in, ft, or a positive" "$demos" --demo grasps --mesh x.obj --unit miles
+# A post of 40 mm x 40 mm x 160 mm with z up lies across the hand if it is not turned.
+printf 'v -2 -2 0\nv 2 -2 0\nv 2 2 0\nv -2 2 0\nv -2 -2 16\nv 2 -2 16\nv 2 2 16\nv -2 2 16\n' > "$dir/post.obj"
+printf 'f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 5 8 4\n' >> "$dir/post.obj"
+expect "a lying post is refused with the turn" 1 "turn it (--up z makes it 40 mm wide there), or give another --unit" \
+	"$demos" --demo grasps --mesh "$dir/post.obj" --unit cm
 expect "grasps have their own trees" 2 "--demo grasps goes without --spheres" "$demos" --demo grasps --spheres 100
 expect "a comparison has its own bodies" 2 "--demo grasp-compare goes without --mesh" "$demos" --demo grasp-compare --mesh x.obj
 expect "the load has its own spheres" 2 "--demo grasp-load goes without --spheres" "$demos" --demo grasp-load --spheres 10
@@ -108,6 +119,8 @@ expect "a scene needs a file" 2 "--scene needs a value" "$demos" --scene
 corners='v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n'
 printf "${corners}f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 5 8 4\n" > "$dir/cube.obj"
 printf 'v 1 0 0\nv 0 0 1\nv -1 0 -1\nv 0 100 0\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n' > "$dir/spike.obj"
+expect "a mesh that is turned about is the same cube" 0 "" \
+	"$demos" --demo bunny-query --mesh "$dir/cube.obj" --up z --unit mm --spheres 100 --cache "" --json
 for row in "cube 1000" "spike 1"; do
 	set -- $row
 	expect "the query of a $1" 0 "" "$demos" --demo bunny-query --mesh "$dir/$1.obj" --spheres $2 --cache "" --json

@@ -164,6 +164,22 @@ for mode in auto wrap; do
 	expect "check after --repair $mode" 0 "$ist" check "$dir/holed.ist" --mesh "$dir/holed.obj" --json
 	holds "check after --repair $mode" 'r["ok"] is True and r["protruding"] == 0'
 done
+# A square of four triangles about a hill is open ground. Closed 0.5 m deep, it has 4 * 0.5 + 4 * 0.3 / 3 m^3.
+printf 'v 0 0 0\nv 2 0 0\nv 2 0 2\nv 0 0 2\nv 1 0.3 1\nf 1 5 2\nf 2 5 3\nf 3 5 4\nf 4 5 1\n' > "$dir/hill.obj"
+expect "build of open ground" 1 "$ist" build "$dir/hill.obj" -o "$dir/none.ist" --spheres 50
+says "build of open ground" "faces y, close it downwards .*--repair ground DEPTH"
+for options in "--repair ground 0.5" "--repair=ground 0.5" "--up y,z --repair ground 0.5"; do
+	expect "build $options" 0 "$ist" build $options "$dir/hill.obj" -o "$dir/hill.ist" --spheres 50 --json
+	holds "build $options" 'abs(r["volume"] - 2.4) < 1e-6 and r["watertight"] is False and r["volume_doubt"] == 0' \
+		'and any("Closed the surface downwards from 4 open edges" in t for t in r["repair"])'
+	expect "check after $options" 0 "$ist" check "$dir/hill.ist" --mesh "$dir/hill.obj" --json
+	holds "check after $options" 'r["ok"] is True and r["protruding"] == 0'
+done
+expect "build of ground along a wrong axis" 1 "$ist" build "$dir/hill.obj" -o "$dir/none.ist" --repair ground 1 --up x
+says "build of ground along a wrong axis" "does not face y, .*; it faces x: name that axis as up (--up)"
+for depth in "" 0 -1 deep; do
+	expect "build --repair ground $depth" 2 "$ist" build "$dir/hill.obj" --repair ground $depth -o "$dir/none.ist"
+done
 # A farm that builds quietly hears of it; of a mesh that needed nothing, nothing.
 expect "build --quiet" 0 "$ist" build "$dir/holed.obj" -o "$dir/holed.ist" --spheres 50 --quiet
 says "build --quiet" \

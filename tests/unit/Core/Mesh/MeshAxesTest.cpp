@@ -54,6 +54,11 @@ TEST(MeshAxes, ZBecomesYAsReadersOfColladaTurnIt)
 TEST(MeshAxes, TextNamesAnAxis)
 {
 	for (const char* text : {"x", "+x", "X"}) EXPECT_TRUE(signedAxis(text) && signedAxis(text)->axis == 0 && signedAxis(text)->sign == 1);
+	const auto axes = upAxes("-x"), both = upAxes("z,-x");
+	ASSERT_TRUE(axes && both);
+	EXPECT_TRUE(axes->from.axis == 0 && axes->from.sign == -1 && axes->to.axis == 1 && axes->to.sign == 1);
+	EXPECT_TRUE(both->from.axis == 2 && both->from.sign == 1 && both->to.axis == 0 && both->to.sign == -1);
+	for (const char* text : {"", ",", "z,", ",z", "z,y,x", "w"}) EXPECT_FALSE(upAxes(text)) << text;
 	EXPECT_TRUE(signedAxis("-z") && signedAxis("-z")->axis == 2 && signedAxis("-z")->sign == -1);
 	for (const char* text : {"", "-", "w", "xy", "--x", "8"}) EXPECT_FALSE(signedAxis(text)) << text;
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Registry/btISTTreeSource.h"
 #include "DeviceBridge/Bullet/BulletContactSource.h"
 #include "DeviceBridge/Bullet/BulletShapeParts.h"
 #include "tests/unit/CountingAllocator.h"
@@ -9,6 +10,7 @@
 #include "BulletCollision/CollisionShapes/btConeShape.h"
 #include "BulletCollision/CollisionShapes/btConvexHullShape.h"
 #include "BulletCollision/CollisionShapes/btCylinderShape.h"
+#include "BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h"
 
 #include <gtest/gtest.h>
 
@@ -416,6 +418,53 @@ TEST(DecoupledShapes, WhatIsNotFeltIsNamedWithTheReason)
 	EXPECT_FALSE(findUnfelt(rig.coupling, unknown));
 	rig.coupling.remove(hand.source);
 	EXPECT_TRUE(rig.coupling.unfelt().empty());
+}
+
+namespace
+{
+/// A level heightfield of 0.4 m x 0.4 m whose surface is at y = 0.
+struct LevelGround
+{
+	std::vector<float> heights = std::vector<float>(25, 0.0f);
+	btHeightfieldTerrainShape shape{5, 5, heights.data(), btScalar(0), btScalar(0), 1, false};
+	LevelGround() { shape.setLocalScaling(btVector3(btScalar(0.1), 1, btScalar(0.1))); }
+};
+
+/// The force that a hand feels whose ball is pressed 3 mm deep into a static body, at rest [N].
+Vec3 forceOnBall(DecoupledRig& rig, btCollisionShape& shape)
+{
+	rig.add(shape, 0, {});
+	Hand& hand = rig.addHand({0.013, kBallRadius + 0.002, 0.021});
+	hand.script = pressAndSlide;
+	rig.run(1.2);
+	return -hand.step.coupling.force;
+}
+}  // namespace
+
+// Without a tree a heightfield is not felt. With that of a tree source it feels as a half-space does.
+TEST(DecoupledShapes, GroundIsFeltByItsTree)
+{
+	LevelGround ground;
+	DecoupledRig without(60);
+	btRigidBody* body = without.add(ground.shape, 0, {});
+	without.addHand({0.013, kBallRadius + 0.002, 0.021});
+	without.run(0.1);
+	ASSERT_TRUE(findUnfelt(without.coupling, body));
+	EXPECT_EQ(findUnfelt(without.coupling, body)->reason, BulletUnfeltBody::NoModel);
+
+	DecoupledRig with(60), plane(60);
+	btISTTreeSettings settings;
+	settings.build.maxSpheres = 300;
+	settings.cacheFolder = TREE_FOLDER;
+	btISTTreeSource trees(with.world.registration().registry(), settings);
+	const btISTPendingAttachment tree = trees.attach(&ground.shape);
+	trees.finish();
+	ASSERT_TRUE(tree.isAttached()) << tree.error();
+	const Vec3 felt = forceOnBall(with, ground.shape), expected = forceOnBall(plane, plane.planeShape);
+	EXPECT_TRUE(with.coupling.unfelt().empty()) << with.coupling.unfeltReport({});
+	EXPECT_GT(expected.y, 1);
+	EXPECT_NEAR(felt.y, expected.y, 0.05 * expected.y);
+	EXPECT_LT(std::hypot(felt.x, felt.z), 0.02 * expected.y);
 }
 
 TEST(DecoupledShapes, TwoClosedFormsAreNotFeltAndSaySo)

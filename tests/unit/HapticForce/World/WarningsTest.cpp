@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
+#include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>
 #include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>
@@ -192,6 +193,22 @@ TEST(Warnings, AShapeWithoutABoxIsSaid)
 	EXPECT_EQ(scene.linesWith("updateBound"), 1);
 	shape.updateBound();
 	scene.step(64);
+	EXPECT_EQ(scene.count(btISTWarning::NoBox), 0u);
+	scene.world.bullet().removeCollisionObject(&object);
+}
+
+// A heightfield of equal heights has a flat box, with which the broad phase finds its pairs.
+TEST(Warnings, AFlatBoxIsABox)
+{
+	Scene scene;
+	const float heights[4] = {0, 0, 0, 0};
+	btHeightfieldTerrainShape shape(2, 2, heights, btScalar(0), btScalar(0), 1, false);
+	const btISTAttachment attached = scene.world.attach(&shape, cubeTree()).value();
+	btCollisionObject object;
+	object.setCollisionShape(&shape);
+	object.setWorldTransform(btTransform::getIdentity());
+	scene.world.bullet().addCollisionObject(&object);
+	scene.step();
 	EXPECT_EQ(scene.count(btISTWarning::NoBox), 0u);
 	scene.world.bullet().removeCollisionObject(&object);
 }

@@ -125,10 +125,23 @@ TEST(meshOfShape, MultiSpheresReachAsFarAsBulletSays)
 	}
 }
 
-TEST(meshOfShape, RefusesWhatHasNoInsideOrNoTriangles)
+// Four heights are two triangles, in which Bullet puts the middle of the range of heights at the origin.
+TEST(meshOfShape, GivesTheOpenSurfaceOfAHeightfield)
 {
 	const float heights[4] = {0, 0, 0, 1};
-	btHeightfieldTerrainShape terrain(2, 2, heights, btScalar(1), btScalar(0), btScalar(1), 1, PHY_FLOAT, false);
+	btHeightfieldTerrainShape terrain(2, 2, heights, btScalar(0), btScalar(1), 1, false);
+	terrain.setLocalScaling(btVector3(2, 3, 4));
+	const ist::Result<ist::Mesh> mesh = meshOfShape(terrain);
+	ASSERT_TRUE(mesh) << mesh.error().message;
+	EXPECT_EQ(mesh.value().triangles.size(), 2u);
+	ASSERT_EQ(mesh.value().vertices.size(), 4u);
+	for (const ist::Vec3& p : mesh.value().vertices)
+		EXPECT_EQ(p, (ist::Vec3{p.x > 0 ? 1.0 : -1.0, p.x > 0 && p.z > 0 ? 1.5 : -1.5, p.z > 0 ? 2.0 : -2.0}));
+	EXPECT_EQ(ist::inspect(mesh.value()).openEdges, 4);
+}
+
+TEST(meshOfShape, RefusesWhatHasNoInsideOrNoTriangles)
+{
 	btStaticPlaneShape plane(btVector3(0, 1, 0), 0);
 	btSphereShape sphere(1);
 	btCompoundShape compound;
@@ -137,9 +150,9 @@ TEST(meshOfShape, RefusesWhatHasNoInsideOrNoTriangles)
 	BulletMesh broken(ist::makeBoxMesh({1, 1, 1}));
 	broken.vertex(3)[1] = std::numeric_limits<btScalar>::quiet_NaN();
 	btGImpactMeshShape notFinite(broken.interface());
-	for (const btCollisionShape* shape : {static_cast<btCollisionShape*>(&terrain), static_cast<btCollisionShape*>(&plane),
-			 static_cast<btCollisionShape*>(&sphere), static_cast<btCollisionShape*>(&compound),
-			 static_cast<btCollisionShape*>(&noTriangles), static_cast<btCollisionShape*>(&notFinite)})
+	for (const btCollisionShape* shape :
+		{static_cast<btCollisionShape*>(&plane), static_cast<btCollisionShape*>(&sphere), static_cast<btCollisionShape*>(&compound),
+			static_cast<btCollisionShape*>(&noTriangles), static_cast<btCollisionShape*>(&notFinite)})
 	{
 		const ist::Result<ist::Mesh> refused = meshOfShape(*shape);
 		ASSERT_FALSE(refused) << shape->getName();

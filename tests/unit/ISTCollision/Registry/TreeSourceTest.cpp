@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Dispatch/btISTCollisionAlgorithm.h"
 #include "tests/unit/ISTCollision/Registry/BulletMesh.h"
 
+#include <BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h>
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <btBulletDynamicsCommon.h>
 #include <gtest/gtest.h>
@@ -12,6 +13,7 @@
 #include <BulletWorldImporter/btBulletWorldImporter.h>
 #endif
 
+#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -122,6 +124,110 @@ TEST(btISTTreeSource, SwapsTheTreeInBetweenStepsAndBulletsContactGoesOnUntilThen
 	EXPECT_EQ(trees.pending(), 0);
 	game.detect();
 	EXPECT_NEAR(game.onlyVolume(), 0.1, 0.005);
+}
+
+namespace
+{
+constexpr int kPoints = 9;
+
+/// Heights of a grid of points 1 m apart.
+struct Heights
+{
+	std::vector<float> values;
+	float lowest = 0, highest = 0;
+
+	Heights()
+	{
+		for (int j = 0; j < kPoints; ++j)
+			for (int i = 0; i < kPoints; ++i) values.push_back(0.25f * float((i * 5 + j * 3 + i * j) % 7));
+		lowest = *std::min_element(values.begin(), values.end());
+		highest = *std::max_element(values.begin(), values.end());
+	}
+	double at(int i, int j) const { return double(values[size_t(j * kPoints + i)]); }
+	/// Volume between the surface and a plane below its lowest point [m^3]. The squares are parted from (1, 0) to (0, 1).
+	double volume(double depth) const
+	{
+		double sum = 0;
+		for (int j = 0; j + 1 < kPoints; ++j)
+			for (int i = 0; i + 1 < kPoints; ++i)
+				sum += (at(i, j) + 2 * at(i + 1, j) + 2 * at(i, j + 1) + at(i + 1, j + 1)) / 6 - double(lowest) + depth;
+		return sum;
+	}
+	btHeightfieldTerrainShape shape(int up) const
+	{
+		return {kPoints, kPoints, values.data(), btScalar(lowest), btScalar(highest), up, false};
+	}
+};
+
+ist::Mesh openGround()
+{
+	ist::Mesh box = ist::makeBoxMesh({2, 1, 2}), top{box.vertices, {}};
+	for (const auto& t : box.triangles)
+		if (box.vertices[t[0]].y > 0 && box.vertices[t[1]].y > 0 && box.vertices[t[2]].y > 0) top.triangles.push_back(t);
+	return top;
+}
+}  // namespace
+
+TEST(btISTTreeSource, AHeightfieldBecomesGroundAlongItsOwnAxis)
+{
+	const Heights heights;
+	for (const int up : {0, 1, 2})
+	{
+		Game game;
+		btHeightfieldTerrainShape terrain = heights.shape(up);
+		btISTTreeSource trees(game.registration.registry(), few());
+		const btISTPendingAttachment attachment = trees.attach(&terrain);
+		trees.finish();
+		ASSERT_TRUE(attachment.isAttached()) << attachment.error();
+		EXPECT_NEAR(attachment.tree()->volume, heights.volume(0.1 * (kPoints - 1)), 1e-4);
+		const ist::Vec3 size = attachment.tree()->box.size();
+		EXPECT_NEAR(size[up], double(heights.highest - heights.lowest) + 0.1 * (kPoints - 1), 1e-5);
+	}
+}
+
+// A box that is 0.1 m deep in level ground overlaps it by 0.1 m times its base.
+TEST(btISTTreeSource, OpenTrianglesBecomeGroundOnRequest)
+{
+	Game game;
+	BulletMesh mesh(openGround());
+	btBvhTriangleMeshShape ground(mesh.interface(), true);
+	btBoxShape box(btVector3(btScalar(0.3), btScalar(0.3), btScalar(0.3)));
+	game.add(&ground, 0, at(0, -1, 0));
+	game.add(&box, 1, at(0.3, 0.2, 0.1));
+	btISTTreeSource trees(game.registration.registry(), few());
+	const btISTPendingAttachment closed = trees.attach(&ground);
+	trees.finish();
+	EXPECT_NE(closed.error().find("ground that faces y"), std::string::npos) << closed.error();
+	const btISTPendingAttachment wrong = trees.attachGround(&ground, 1, {2, 1}), tooShallow = trees.attachGround(&ground, -1);
+	trees.finish();
+	EXPECT_NE(wrong.error().find("it faces y"), std::string::npos) << wrong.error();
+	EXPECT_EQ(tooShallow.isAttached(), false);
+	const btISTPendingAttachment attachment = trees.attachGround(&ground, 1);
+	trees.finish();
+	ASSERT_TRUE(attachment.isAttached()) << attachment.error();
+	EXPECT_NEAR(attachment.tree()->volume, 16, 1e-4);
+	game.detect();
+	EXPECT_NEAR(game.onlyVolume(), 0.1 * 0.6 * 0.6, 1e-3 * 0.1 * 0.6 * 0.6);
+}
+
+// Trees of one surface with other depths are others in the folder.
+TEST(btISTTreeSource, TheFolderKeepsGroundByItsDepth)
+{
+	const Folder folder;
+	btISTTreeSettings settings = few();
+	settings.cacheFolder = folder.path.string();
+	BulletMesh mesh(openGround());
+	for (const double depth : {1.0, 2.0, 1.0})
+	{
+		Game game;
+		btBvhTriangleMeshShape ground(mesh.interface(), true);
+		btISTTreeSource trees(game.registration.registry(), settings);
+		const btISTPendingAttachment attachment = trees.attachGround(&ground, depth);
+		trees.finish();
+		ASSERT_TRUE(attachment.isAttached()) << attachment.error();
+		EXPECT_NEAR(attachment.tree()->volume, 16 * depth, 1e-4);
+	}
+	EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path), {}), 4) << "two trees and what was doubtful about them";
 }
 
 TEST(btISTTreeSource, TheTreeIsThatOfTheScaledTriangles)

@@ -292,7 +292,8 @@ struct PlyVertex
 	float values[5];
 	int32_t part;
 };
-std::vector<PlyVertex> readPly(const std::string& path)
+/// `others`: receives the property file_vertex, if the file has it.
+std::vector<PlyVertex> readPly(const std::string& path, std::vector<int32_t>* others = nullptr)
 {
 	std::ifstream file(path, std::ios::binary);
 	const std::string bytes{std::istreambuf_iterator<char>(file), {}};
@@ -301,6 +302,7 @@ std::vector<PlyVertex> readPly(const std::string& path)
 	std::istringstream(bytes.substr(bytes.find("element vertex ") + 15)) >> count;
 	std::vector<PlyVertex> all(count);
 	const char* at = bytes.data() + begin;
+	const bool hasOthers = bytes.find("property int file_vertex\n") < begin;
 	for (PlyVertex& v : all)
 	{
 		std::memcpy(v.place, at, 12);
@@ -308,6 +310,11 @@ std::vector<PlyVertex> readPly(const std::string& path)
 		std::memcpy(v.values, at + 15, 20);
 		std::memcpy(&v.part, at + 35, 4);
 		at += 39;
+		if (!hasOthers) continue;
+		int32_t other = 0;
+		std::memcpy(&other, at, 4);
+		if (others) others->push_back(other);
+		at += 4;
 	}
 	return all;
 }
@@ -351,6 +358,64 @@ TEST(HeatMapFile, PlyAndTableCanBeReadByOthers)
 	EXPECT_EQ(row.rfind("R_Index3,43,", 0), 0u);
 	EXPECT_EQ(std::count(header.begin(), header.end(), ','), std::count(row.begin(), row.end(), ','));
 	EXPECT_TRUE(saveHeatMap(map, folder + "/none/map.ply"));
+	std::filesystem::remove_all(folder);
+}
+
+// A file lists the vertices of the map in reverse, one of them twice, one in a place where the map has none, and without the last ten.
+TEST(HeatMapFile, TheVerticesOfAFileComeFirstAndInItsOrder)
+{
+	const std::string folder = (std::filesystem::temp_directory_path() / ("heatmap" + std::to_string(std::random_device()()))).string();
+	std::filesystem::create_directory(folder);
+	HeatMap map(gridBox({0.01, 0.01, 0.01}, 20));
+	const int index = map.addPart("R_Index3", 43, ist::makeSphereMesh(0.005, 3));
+	map.add(index, {{{}, {0, 0.0145, 0}}, 1, {0, 0.01, 0}, 0.1});
+	const std::vector<Vec3>& places = map.mesh().vertices;
+	const std::vector<HeatMap::Vertex> values = map.vertices();
+	const size_t count = places.size(), left = 10;
+	std::vector<Vec3> file(places.rbegin(), places.rend() - left);
+	std::vector<int64_t> vertexOf;
+	for (size_t i = 0; i < file.size(); ++i) vertexOf.push_back(int64_t(count - 1 - i));
+	file.push_back(file[3]), vertexOf.push_back(vertexOf[3]);
+	file.push_back({1, 2, 3}), vertexOf.push_back(-1);
+
+	ASSERT_FALSE(saveHeatMapOfFile(map, file, folder + "/map.ply"));
+	std::vector<int32_t> rows;
+	const auto written = readPly(folder + "/map.ply", &rows);
+	ASSERT_EQ(written.size(), file.size() + left);
+	ASSERT_EQ(rows.size(), written.size());
+	int touched = 0;
+	for (size_t i = 0; i < written.size(); ++i)
+	{
+		const bool isOfFile = i < file.size();
+		EXPECT_EQ(rows[i], isOfFile ? int32_t(i) : -1);
+		const int64_t vertex = isOfFile ? vertexOf[i] : int64_t(i - file.size());
+		const HeatMap::Vertex value = vertex < 0 ? HeatMap::Vertex() : values[size_t(vertex)];
+		EXPECT_FLOAT_EQ(written[i].values[2], float(value.impulse)) << i;
+		EXPECT_EQ(written[i].part, value.part == index ? 43 : 0);
+		const Vec3 place = isOfFile ? file[i] : places[size_t(vertex)];
+		EXPECT_NEAR(norm(Vec3{written[i].place[0], written[i].place[1], written[i].place[2]} - place), 0, 1e-6);
+		touched += value.part == index;
+	}
+	EXPECT_GT(touched, 3);
+	// The triangles have their corners where they had them.
+	const auto read = ist::importMesh(folder + "/map.ply");
+	ASSERT_TRUE(read) << read.error().message;
+	ASSERT_EQ(read.value().triangles.size(), map.mesh().triangles.size());
+	for (size_t t = 0; t < read.value().triangles.size(); ++t)
+		for (size_t c = 0; c < 3; ++c)
+			ASSERT_NEAR(norm(read.value().vertices[read.value().triangles[t][c]] - places[map.mesh().triangles[t][c]]), 0, 1e-6);
+
+	// Where no vertex was added there is no further property.
+	const std::vector<Vec3> all(places.rbegin(), places.rend());
+	ASSERT_FALSE(saveHeatMapOfFile(map, all, folder + "/all.ply"));
+	std::vector<int32_t> none;
+	EXPECT_EQ(readPly(folder + "/all.ply", &none).size(), count);
+	EXPECT_TRUE(none.empty());
+
+	const auto refused = saveHeatMapOfFile(map, {{1, 2, 3}}, folder + "/none.ply");
+	ASSERT_TRUE(refused);
+	EXPECT_NE(refused->message.find("none of the 1 vertices"), std::string::npos);
+	EXPECT_FALSE(std::filesystem::exists(folder + "/none.ply"));
 	std::filesystem::remove_all(folder);
 }
 

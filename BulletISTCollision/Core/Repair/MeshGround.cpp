@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Core/Repair/MeshGround.h"
+
+#include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
+#include "BulletISTCollision/Core/Mesh/MeshEdges.h"
+#include "BulletISTCollision/Core/Repair/MeshOrientation.h"
+#include "BulletISTCollision/Core/Repair/MeshWeld.h"
+
+#include <charconv>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace ist
+{
+namespace
+{
+constexpr std::string_view kGround = "ground ";
+/// Least Facing::up of ground that is closed: ceilings and overhangs may have a third of the area of the floor.
+constexpr double kFacesUp = 0.5;
+/// Least Facing::up of a mesh that is called ground.
+constexpr double kIsGround = 0.95;
+/// Least Facing::flat of a mesh that is called ground, and of ground that is closed.
+constexpr double kMostlyFlat = 0.5, kNotWalls = 1e-3;
+
+/// Twice the area of a triangle, projected along an axis; negative if the triangle faces against it.
+double projected(const Mesh& mesh, const Triangle& t, SignedAxis axis)
+{
+	const Vec3& a = mesh.vertices[t[0]];
+	return axis.sign * cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a)[axis.axis];
+}
+
+/// For each triangle, whether the connected part that it belongs to has an open edge.
+std::vector<uint8_t> trianglesOfOpenParts(const Mesh& mesh, const std::vector<uint32_t>& component)
+{
+	std::vector<uint8_t> isOpen(mesh.triangles.size(), 0);
+	forEachEdge(sortedEdges(mesh), [&](const EdgeUse* use, std::size_t count) {
+		if (count == 1) isOpen[component[use->triangle]] = 1;
+	});
+	for (std::size_t i = 0; i < isOpen.size(); ++i) isOpen[i] = isOpen[component[i]];
+	return isOpen;
+}
+
+/// Which way the open parts of a surface face.
+struct Facing
+{
+	double up = 0;    ///< net area over the sum of areas, both projected: 1 if each triangle faces up, 0 for a surface that encloses
+	double flat = 0;  ///< projected area over area: 1 for a plane across the axis, 0 for walls along it
+};
+
+/// Turns the open parts that face down.
+Facing turnUp(Mesh& mesh, SignedAxis up)
+{
+	const std::vector<uint32_t> component = componentOfTriangle(mesh, sortedEdges(mesh));
+	const std::vector<uint8_t> isOpen = trianglesOfOpenParts(mesh, component);
+	std::vector<double> net(mesh.triangles.size(), 0);
+	double sum = 0, total = 0, area = 0;
+	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+	{
+		if (!isOpen[i]) continue;
+		const Triangle& t = mesh.triangles[i];
+		const double across = projected(mesh, t, up);
+		net[component[i]] += across;
+		total += std::fabs(across);
+		area += norm(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]));
+	}
+	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+	{
+		sum += std::fabs(net[i]);
+		if (net[component[i]] < 0) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+	}
+	return total > 0 ? Facing{sum / total, total / area} : Facing();
+}
+
+void addBottomAndWalls(Mesh& mesh, const GroundClosing& ground, const std::vector<EdgeUse>& edges)
+{
+	const Box box = bounds(mesh);
+	const int axis = ground.up.axis;
+	const double bottom = ground.up.sign > 0 ? box.lower[axis] - ground.depth : box.upper[axis] + ground.depth;
+	const auto below = [n = static_cast<uint32_t>(mesh.vertices.size())](uint32_t v) { return v + n; };
+	const std::size_t triangles = mesh.triangles.size(), vertices = mesh.vertices.size();
+	for (std::size_t i = 0; i < vertices; ++i)
+	{
+		Vec3 v = mesh.vertices[i];
+		v[axis] = bottom;
+		mesh.vertices.push_back(v);
+	}
+	for (std::size_t i = 0; i < triangles; ++i)
+	{
+		const Triangle t = mesh.triangles[i];
+		mesh.triangles.push_back({below(t[0]), below(t[2]), below(t[1])});
+	}
+	const auto wall = [&](uint32_t from, uint32_t to) {
+		mesh.triangles.push_back({to, from, below(from)});
+		mesh.triangles.push_back({to, below(from), below(to)});
+	};
+	forEachEdge(edges, [&](const EdgeUse* use, std::size_t count) {
+		int64_t balance = 0;
+		for (std::size_t i = 0; i < count; ++i) balance += use[i].forward ? 1 : -1;
+		for (; balance > 0; --balance) wall(use->low, use->high);
+		for (; balance < 0; ++balance) wall(use->high, use->low);
+	});
+}
+}  // namespace
+
+std::string groundText(const GroundClosing& ground)
+{
+	char depth[40];
+	const size_t length = size_t(std::to_chars(depth, depth + sizeof depth, ground.depth).ptr - depth);
+	return std::string(kGround).append(depth, length) + " " + axisName(ground.up);
+}
+
+std::optional<GroundClosing> groundFromText(std::string_view text)
+{
+	if (!text.starts_with(kGround)) return std::nullopt;
+	text.remove_prefix(kGround.size());
+	GroundClosing ground;
+	const char* const last = text.data() + text.size();
+	const auto [end, error] = std::from_chars(text.data(), last, ground.depth);
+	if (error != std::errc() || !(ground.depth > 0) || !std::isfinite(ground.depth)) return std::nullopt;
+	if (end == last) return ground;
+	const std::optional<SignedAxis> up = *end == ' ' ? signedAxis({end + 1, size_t(last - end - 1)}) : std::nullopt;
+	if (!up) return std::nullopt;
+	ground.up = *up;
+	return ground;
+}
+
+std::optional<Error> closeDownwards(Mesh& mesh, const GroundClosing& ground)
+{
+	if (!(ground.depth > 0) || !std::isfinite(ground.depth))
+		return Error{"the depth to which ground is closed must be a positive number of metres, not " + number(ground.depth)};
+	if (verticesOfOpenEdges(mesh).empty())
+		return Error{"no edge of the mesh is open, so that there is nothing to close downwards; use the automatic repair"};
+	const std::optional<SignedAxis> facing = facingOfGround(mesh);
+	if (const Facing up = turnUp(mesh, ground.up); !(up.up >= kFacesUp && up.flat >= kNotWalls))
+		return Error{"the open surface does not face " + axisName(ground.up) + ", so that it cannot be closed downwards from there" +
+			(facing ? "; it faces " + axisName(*facing) + ": name that axis as up" : "; give the mesh an inside in a modelling program")};
+	// Only parts with open edges get a bottom: the others are bodies that lie on the ground or in it.
+	const std::vector<uint8_t> isOpen = trianglesOfOpenParts(mesh, componentOfTriangle(mesh, sortedEdges(mesh)));
+	Mesh open{mesh.vertices, {}, mesh.rounding}, closed = open;
+	for (std::size_t i = 0; i < isOpen.size(); ++i) (isOpen[i] ? open : closed).triangles.push_back(mesh.triangles[i]);
+	open = withoutUnusedVertices(open);
+	addBottomAndWalls(open, ground, sortedEdges(open));
+	const auto first = static_cast<uint32_t>(open.vertices.size());
+	closed = withoutUnusedVertices(closed);
+	open.vertices.insert(open.vertices.end(), closed.vertices.begin(), closed.vertices.end());
+	for (const Triangle& t : closed.triangles) open.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+	mesh.vertices = std::move(open.vertices);
+	mesh.triangles = std::move(open.triangles);
+	return std::nullopt;
+}
+
+std::optional<SignedAxis> facingOfGround(const Mesh& mesh)
+{
+	Mesh oriented = weldedEqual(mesh);
+	if (verticesOfOpenEdges(oriented).empty()) return std::nullopt;
+	orientConsistently(oriented);
+	for (const int axis : {1, 2, 0})
+	{
+		Mesh up = oriented;
+		if (const Facing faces = turnUp(up, {axis, 1}); faces.up >= kIsGround && faces.flat >= kMostlyFlat) return SignedAxis{axis, 1};
+	}
+	return std::nullopt;
+}
+
+std::string groundAdvice(const Mesh& mesh)
+{
+	const std::optional<SignedAxis> facing = facingOfGround(mesh);
+	return facing ? "; if it is ground that faces " + axisName(*facing) + ", close it downwards along that axis (RepairMode::Ground)" : "";
+}
+}  // namespace ist
