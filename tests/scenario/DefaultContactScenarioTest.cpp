@@ -211,7 +211,7 @@ TEST(DefaultContact, APinFallsFreelyThroughABoreAndStandsAtItsBottom)
 		double rate, k;
 	};
 	const Solid pin(upright(ist::makeCylinderMesh(.01, .03, 128)), 1000);
-	for (const double play : {2.5e-4, 5e-5, 1e-5})
+	for (const double play : {2.5e-4, 1e-5})
 	{
 		const Solid block(boredBlock(.01 + play), 1000);
 		for (const auto& [rate, k] : {Case{60, 0}, Case{240, 0}, Case{240, 1e9}})
@@ -229,7 +229,7 @@ TEST(DefaultContact, APinFallsFreelyThroughABoreAndStandsAtItsBottom)
 				speed += kGravity / rate;
 			}
 			EXPECT_NEAR(height(body), .085 - fallen, .02 * fallen) << play << ' ' << rate << ' ' << k;
-			scene.run(1, rate);
+			scene.run(.4, rate);
 			EXPECT_NEAR(height(body), .03, 1e-4) << play << ' ' << rate << ' ' << k;
 			EXPECT_LT(body->getLinearVelocity().length(), 1e-3) << play << ' ' << rate << ' ' << k;
 		}
@@ -267,7 +267,8 @@ TEST(DefaultContact, UnitsOfLengthDoNotMatter)
 	for (int u = 0; u < 3; ++u)
 	{
 		const double unit = units[u];
-		const Solid ground(ist::makeBoxMesh(Vec3{1, .25, 1} * unit), 400), ring(upright(ist::makeTorusMesh(.15 * unit, .05 * unit)), 1000);
+		const Solid ground(ist::makeBoxMesh(Vec3{1, .25, 1} * unit), 100),
+			ring(upright(ist::makeTorusMesh(.15 * unit, .05 * unit, 48, 24)), 200);
 		Scene scene;
 		scene.world.bullet().setGravity(btVector3(0, btScalar(-kGravity * unit), 0));
 		scene.add(scene.volumetricShape(ground), 0, 0, at(Vec3{0, -.25, 0} * unit));
