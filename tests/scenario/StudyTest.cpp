@@ -22,6 +22,7 @@ namespace
 {
 namespace fs = std::filesystem;
 constexpr double kRadius = 0.02;
+constexpr const char* kForcesByButton = R"({"on": "button", "button": 7, "do": "switch", "what": "forces", "start": "off"})";
 
 /// A folder of its own for each test, which is empty at the beginning.
 class StudyFiles : public testing::Test
@@ -347,7 +348,21 @@ TEST_F(StudyFiles, MistakesAreNamedWithLineAndField)
 	refused(setting(R"("bodies[1].asset": "crane")"), "bodies[1].asset: no asset is called crane");
 	refused(setting(R"("bodies[7].asset": "ball")"), "\"bodies[7].asset\" is an element that is not there");
 	refused(setting(R"("hooks": [{"on": "collision", "do": "stop"}])"), "ends trials by itself");
+	refused(R"({"schema": 1, "timeLimit": 3, "begin": {"button": 1}, )" + condition + R"(, "set": {"hooks": [)" + kForcesByButton + "]}}]}",
+		"switches the forces by itself");
 	EXPECT_TRUE(fs::is_empty(m_folder) || !fs::exists(path("s-p1-trials.csv")));
+}
+
+// A study without a button to begin leaves the forces to the hooks.
+TEST_F(StudyFiles, ForcesThatAConditionSwitchesOffStayOff)
+{
+	const std::string study = studyOf(R"("begin": {"contact": ["floor"]}, )");
+	ASSERT_TRUE(run(study));
+	EXPECT_GT(std::stod(table("s-p1-trials.csv").front().at("max_force_n")), 0.3);
+	const std::string off = R"("set": {"hooks": [)" + std::string(kForcesByButton) + "], ";
+	ASSERT_TRUE(run(std::string(study).replace(study.find("\"set\": {"), 8, off), 2));
+	EXPECT_EQ(std::stod(table("s-p2-trials.csv").front().at("max_force_n")), 0);
+	EXPECT_EQ(table("s-p2-trials.csv").front().at("ended_by"), "time limit");
 }
 
 TEST_F(StudyFiles, AnotherDeviceTakesThePlaceOfAllScenes)
@@ -358,6 +373,41 @@ TEST_F(StudyFiles, AnotherDeviceTakesThePlaceOfAllScenes)
 	ASSERT_TRUE(study) << study.error().message;
 	EXPECT_EQ(study.value().conditions.front().scene.hands.front().device, "replay:" + path("hand.istdrec"));
 	EXPECT_TRUE(study.value().conditions.front().scene.hands.front().path.empty());
+}
+
+TEST_F(StudyFiles, AnotherDeviceWantsToKnowWhereItsWorldIs)
+{
+	// Without an origin the world of a device is where its path begins, and another device has no path.
+	std::string scene = text("scene.json");
+	const std::string origin = R"("origin": {"position": [0, 0.05, 0]}, )";
+	write("scene.json", scene.erase(scene.find(origin), origin.size()));
+	write("study.json", studyOf(""));
+	EXPECT_TRUE(loadStudy(path("study.json")));
+	const Result<Study> study = loadStudy(path("study.json"), "sim:touch");
+	ASSERT_FALSE(study);
+	EXPECT_NE(study.error().message.find("its first hand wants an origin"), std::string::npos) << study.error().message;
+}
+
+TEST_F(StudyFiles, AnotherDeviceTakesThePlaceOfATrackedHand)
+{
+	const std::string study = R"({"schema": 1, "timeLimit": 3, "conditions": [{"name": "one", "scene": "scene.json",
+		"set": {"topology": "one-thread", "duration": 1, "hand": {"device": "motion:one.csv", "parts": {"spheres": 60}}}}]})";
+	write("study.json", study);
+	const Result<Study> read = loadStudy(path("study.json"), "motion:other.csv");
+	ASSERT_TRUE(read) << read.error().message;
+	EXPECT_EQ(read.value().conditions.front().scene.hands.front().device, "motion:other.csv");
+}
+
+TEST(StudyExample, AnotherDeviceBeginsTheAssemblyAboveTheTable)
+{
+	const Result<Study> study = loadStudy(STUDY_FOLDER "/assembly.json", "sim:touch");
+	ASSERT_TRUE(study) << study.error().message;
+	for (const StudyCondition& condition : study.value().conditions)
+		for (const SceneHand& hand : condition.scene.hands)
+		{
+			ASSERT_TRUE(hand.X_BW);
+			EXPECT_EQ(hand.X_BW->translation, condition.scene.bodies[hand.tool].X_BM.translation);
+		}
 }
 
 TEST(StudyExample, OneOfSixAnswersOfAHandThatAlwaysSaysBallIsRight)
