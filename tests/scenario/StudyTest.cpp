@@ -94,8 +94,8 @@ protected:
 			R"("conditions": [{"name": "one", "scene": "scene.json", "set": {"name": "ball"})" + condition + "}]}";
 	}
 
-	/// A recorded hand that stands 1 m above the floor, and presses buttons in these ticks.
-	void recordHand(const std::string& name, const std::map<int, std::uint32_t>& buttons, int ticks) const
+	/// A recorded hand that stands 1 m above the floor, presses buttons in these ticks, and is not there in the first `silent` ones.
+	void recordHand(const std::string& name, const std::map<int, std::uint32_t>& buttons, int ticks, int silent = 0) const
 	{
 		devicebridge::Recording recording;
 		recording.info = devicebridge::simulatedProfile("sigma7").value().info;
@@ -110,6 +110,7 @@ protected:
 			tick.state.sampledAt = tick.now;
 			tick.state.X_WH.translation = {0, 1, 0};
 			tick.state.buttons = pressed;
+			if (i < silent) tick.readStatus = devicebridge::DeviceStatus::Disconnected;
 			recording.ticks.push_back(tick);
 		}
 		ASSERT_TRUE(devicebridge::saveRecording(recording, path(name)));
@@ -241,6 +242,37 @@ TEST_F(StudyFiles, ButtonsBeginAndEndATrial)
 	ASSERT_EQ(samples.size(), 401u);
 	EXPECT_LT(std::stod(samples.front().at("force_y")), 0.01);
 	EXPECT_NEAR(std::stod(samples.back().at("force_y")), 0.8, 0.01);
+}
+
+// The device of the second hand gives its first sample 0.2 s after that of the first.
+TEST_F(StudyFiles, SamplesOfAllHandsHaveOneTime)
+{
+	recordHand("hand.istdrec", {}, 500, 200);
+	const std::string hand = R"({"device": "sim:sigma7", "tool": "ball", "name": "a"}, {"device": "replay:)" + path("hand.istdrec") +
+		R"(", "tool": "second", "name": "b"})";
+	std::string scene = text("scene.json");
+	scene.erase(scene.find("\"hand\""));
+	scene += R"("duration": 1, "hands": [)" + hand + "]}";
+	const std::string plate = R"({"name": "plate")";
+	scene.insert(scene.find(plate), R"({"name": "second", "asset": "ball", "material": "m", "position": [0, 1, 0]}, )");
+	write("scene.json", scene);
+	const auto outcome = run(R"({"schema": 1, "name": "s", "sampleRate": 1000, "timeLimit": 0.4,
+		"conditions": [{"name": "one", "scene": "scene.json"}]})");
+	ASSERT_TRUE(outcome) << outcome.error().message;
+	std::map<std::string, std::pair<double, double>> times;
+	std::map<std::string, int> counts;
+	for (const auto& sample : table("s-p1-samples.csv"))
+	{
+		const std::string& name = sample.at("hand");
+		const double time = std::stod(sample.at("time_s"));
+		if (counts[name]++ == 0) times[name].first = time;
+		times[name].second = time;
+	}
+	EXPECT_NEAR(times["a"].first, 0, 1e-9);
+	EXPECT_NEAR(times["a"].second, 0.4, 1e-9);
+	EXPECT_NEAR(times["b"].first, 0.2, 1e-9);
+	EXPECT_NEAR(times["b"].second, 0.4, 1e-9);
+	EXPECT_EQ(counts["b"], 201);
 }
 
 TEST_F(StudyFiles, ATrialHasItsLimitsOfTime)
