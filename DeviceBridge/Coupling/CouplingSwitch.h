@@ -10,7 +10,7 @@ namespace devicebridge
 {
 /// Lets a virtual coupling go and takes hold again. While it is off, the tool is free and the hand feels nothing. When it is on again, the
 /// pull begins with pose and velocity of the tool, so without a force. It moves to the hand along a cubic Hermite curve, at `kSpeed` and
-/// `kTurning` on average.
+/// `kTurning` on average. The velocity that the tool had fades within `kShortest`, so that a long return does not begin with a detour.
 class CouplingSwitch
 {
 public:
@@ -31,10 +31,10 @@ public:
 		if (!m_was) begin(hand, tool, dt);
 		m_was = true;
 		if (m_time >= m_duration) return true;
-		const double u = m_time / m_duration, T = m_duration;
-		// Hermite basis of the offset and of its velocity at u = 0, and the derivatives of both.
-		const double a = 1 + u * u * (2 * u - 3), b = T * u * (1 - u) * (1 - u);
-		const double da = 6 * u * (u - 1) / T, db = (1 - u) * (1 - 3 * u);
+		const double u = m_time / m_duration, w = std::min(1.0, m_time / kShortest);
+		// Hermite basis of the offset and of its velocity at time 0, and the derivatives of both.
+		const double a = 1 + u * u * (2 * u - 3), b = kShortest * w * (1 - w) * (1 - w);
+		const double da = 6 * u * (u - 1) / m_duration, db = (1 - w) * (1 - 3 * w);
 		hand.X_WH.translation += a * m_offset + b * m_velocity;
 		hand.X_WH.rotation = rotationMatrix(ist::quaternionFromRotationVector(a * m_turn + b * m_spin)) * hand.X_WH.rotation;
 		hand.twist.linear += da * m_offset + db * m_velocity;

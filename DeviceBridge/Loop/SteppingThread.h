@@ -114,13 +114,13 @@ public:
 	double heatLoad() const noexcept { return m_limiter.heatLoad(); }
 	std::uint64_t ticks() const noexcept { return m_ticks.load(std::memory_order_relaxed); }
 	/// Number of ticks that began later than one period after their deadline.
-	std::uint64_t overruns() const noexcept { return m_overruns.load(std::memory_order_relaxed); }
+	std::uint64_t overruns() const noexcept { return owner().m_overruns.load(std::memory_order_relaxed); }
 	/// Number of reads without a usable sample, plus the number of failed writes.
 	std::uint64_t deviceErrors() const noexcept { return m_deviceErrors.load(std::memory_order_relaxed); }
 	/// Durations from the beginning of one tick to the beginning of the next.
-	const DurationHistogram& periods() const noexcept { return m_periods; }
+	const DurationHistogram& periods() const noexcept { return owner().m_periods; }
 	/// Durations from the beginning of a tick to its end.
-	const DurationHistogram& costs() const noexcept { return m_costs; }
+	const DurationHistogram& costs() const noexcept { return owner().m_costs; }
 	SafetyCounts safetyCounts() const noexcept { return m_limiter.counts(); }
 	bool faulted() const noexcept { return m_limiter.faulted(); }
 	void clearFault() noexcept { m_limiter.clearFault(); }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "BulletISTCollision/Core/Asset/AtomicFile.h"
@@ -53,6 +54,15 @@ std::string axisName(const Vec3& v)
 	return std::string(v[largest] < 0 ? "-" : "+") + "xyz"[largest];
 }
 
+/// A number of millimetres, above 0 and below 10 m, as a length [m]; empty for any other text.
+std::optional<double> lengthIn(const std::string& text)
+{
+	char* end = nullptr;
+	const double length = 1e-3 * std::strtod(text.c_str(), &end);
+	if (text.empty() || *end != '\0' || !(length > 0 && length < 10)) return std::nullopt;
+	return length;
+}
+
 /// Walks a person through the parts, and keeps what was found.
 class Acceptance
 {
@@ -77,6 +87,8 @@ private:
 	bool enter(const std::string& question) { return answer(question + "; press Enter"), going(); }
 	bool going() const { return !m_skipped && !m_ended && m_error.empty() && !m_interrupted; }
 	DeviceState sample();
+	/// An error where neither the driver's page nor the part `axes` has said how the device's world lies.
+	bool knowsAxes();
 
 	void axes(Report& row);
 	void turns(Report& row);
@@ -114,6 +126,13 @@ DeviceState Acceptance::sample()
 	const ist::Result<DeviceState> state = m_person.sample();
 	if (!state) m_error = state.error().message;
 	return state ? state.value() : DeviceState();
+}
+
+bool Acceptance::knowsAxes()
+{
+	const bool known = std::all_of(m_axes.begin(), m_axes.end(), [](const Vec3& axis) { return norm(axis) > 0; });
+	if (!known) m_error = "the axes are unknown: go through the part axes first";
+	return known;
 }
 
 void Acceptance::part(const char* name, void (Acceptance::*run)(Report&))
@@ -174,7 +193,7 @@ void Acceptance::turns(Report& row)
 		row["sensed"] = false;
 		return;
 	}
-	if (!enter("Hold the handle still")) return;
+	if (!knowsAxes() || !enter("Hold the handle still")) return;
 	bool right = true;
 	Report& ways = row["movements"] = Report::list();
 	for (size_t i = 0; i < 3 && going(); ++i)
@@ -198,15 +217,15 @@ void Acceptance::scale(Report& row)
 	if (!enter("Lay a ruler beside the handle and hold the handle still at its beginning")) return;
 	const Vec3 from = sample().X_WH.translation;
 	m_person.move({kWay, 0, 0});
-	const std::string text = answer("Move the handle along the ruler, hold it still, and type by how many millimetres");
-	const double wanted = 1e-3 * std::atof(text.c_str()), way = distance(sample().X_WH.translation, from);
+	std::optional<double> typed = lengthIn(answer("Move the handle along the ruler, hold it still, and type by how many millimetres"));
+	while (going() && !typed) typed = lengthIn(answer("A number of millimetres alone, such as 42.5"));
+	const double wanted = typed.value_or(0), way = distance(sample().X_WH.translation, from);
 	m_person.move({-kWay, 0, 0});
 	if (!going()) return;
-	if (!(wanted > 0 && wanted < 10)) m_error = "\"" + text + "\" is no length in millimetres";
 	row["ruler_m"] = wanted;
 	row["device_m"] = way;
 	row["scale"] = m_device.info().scale;
-	row["ok"] = wanted > 0 && std::fabs(way / (m_device.info().scale * wanted) - 1) <= kScaleTolerance;
+	row["ok"] = std::fabs(way / (m_device.info().scale * wanted) - 1) <= kScaleTolerance;
 }
 
 void Acceptance::rate(Report& row)
@@ -278,6 +297,7 @@ bool Acceptance::pushAlong(int axis, double sign, Report& pushes)
 
 void Acceptance::forces(Report& row)
 {
+	if (!knowsAxes()) return;
 	const DeviceState state = sample();
 	if (!going()) return;
 	if ((state.flags & (kCalibrated | kForcesEnabled)) != (kCalibrated | kForcesEnabled))

@@ -51,6 +51,12 @@ double shareAt(double t)
 	if (t < kRise) return t / kRise;
 	return std::clamp((kRise + kHold + kFall - t) / kFall, 0.0, 1.0);
 }
+
+/// A late tick or a handle that jumps is no loss.
+bool isLoss(FaultCause cause)
+{
+	return cause == FaultCause::Disconnected || cause == FaultCause::Frozen || cause == FaultCause::InvalidState;
+}
 }  // namespace
 
 double trialForce(const DeviceInfo& info) noexcept
@@ -96,11 +102,14 @@ LossOutcome waitForLoss(Device& device, Clock& clock, double longest)
 	LossOutcome out;
 	EmptyWorld world;
 	SteppingThread thread(device, world, clock);
+	thread.enableForces(false);  // the over-speed brake acts without any contact
 	const StopSignals stop(thread);
 	const std::int64_t begin = clock.now();
 	const auto seconds = [&] { return 1e-9 * static_cast<double>(clock.now() - begin); };
-	while (thread.faultCause() == FaultCause::None && seconds() < longest && !StopSignals::caught()) thread.run(10);
-	out.cause = thread.faultCause();
+	thread.onFault.addDelegate([&](const Fault& fault) {
+		if (out.cause == FaultCause::None && isLoss(fault.cause)) out.cause = fault.cause;
+	});
+	while (out.cause == FaultCause::None && seconds() < longest && !StopSignals::caught()) thread.run(10);
 	out.seconds = seconds();
 	out.interrupted = StopSignals::caught() != 0;
 	return out;

@@ -42,6 +42,7 @@ struct LossOutcome
 	double seconds = 0;                   ///< time until the loss was seen
 	bool interrupted = false;
 };
-/// Runs until the device is lost, at most for `longest` [s].
+/// Runs until the device is lost: it does not answer, repeats its samples, or reports what is no pose. Every command is zero. At most for
+/// `longest` [s].
 LossOutcome waitForLoss(Device& device, Clock& clock, double longest);
 }  // namespace devicebridge::tools

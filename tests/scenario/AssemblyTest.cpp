@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
 
 using namespace scenes;
 
@@ -39,6 +42,30 @@ TEST(Assembly, ErrorsOfAHandAreNormalAndRepeat)
 	EXPECT_NEAR(sum / count, 0, 5 * 2 / std::sqrt(count));
 	EXPECT_NEAR(squares / count, 4, 0.2);
 	EXPECT_NEAR(turns / count, 0.25, 0.0125);
+}
+
+TEST(Assembly, AFileWithoutPegOrTubeIsNamed)
+{
+	namespace fs = std::filesystem;
+	for (const char* const name : {"peg", "tube"})
+	{
+		const std::string body = name;
+		const fs::path folder = fs::path(TREE_FOLDER) / ("assembly-without-" + body);
+		fs::create_directories(folder);
+		std::ostringstream text;
+		text << std::ifstream(SCENE_FOLDER "/assembly-one-hand.json").rdbuf();
+		std::string scene = text.str();
+		for (const std::string& field : std::vector<std::string>{R"({"name": ")" + body + R"(", "asset")", R"("tool": ")" + body + "\""})
+			if (const size_t at = scene.find(field); at != std::string::npos) scene.insert(scene.find(body, at), "other ");
+		std::ofstream(folder / "assembly-one-hand.json") << scene;
+		AssemblyOptions options;
+		options.build.cache = TREE_FOLDER;
+		options.scenes = folder.string();
+		const auto outcome = runAssembly(options);
+		ASSERT_FALSE(outcome);
+		EXPECT_NE(outcome.error().message.find("assembly-one-hand.json: no body is called " + body), std::string::npos)
+			<< outcome.error().message;
+	}
 }
 
 TEST(Assembly, HandsWithoutErrorMeetWithoutContact)

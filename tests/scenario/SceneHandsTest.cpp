@@ -155,6 +155,18 @@ TEST(SceneHands, TwoHandsCarryACrate)
 	EXPECT_LT(distance(down, {0, 0.04, 0.08}), 0.005);
 }
 
+TEST(SceneHands, ANameWithACommaIsOneCellOfARecording)
+{
+	std::string text = twoHands("contact-in-tick", R"({"on": "transform", "do": "record", "file": "comma.csv"})");
+	text.replace(text.find("\"left\""), 6, R"("left, \"mine\"")");
+	ASSERT_TRUE(run(text));
+	std::ifstream in(std::string(TREE_FOLDER) + "/comma.csv");
+	std::string line;
+	std::getline(in, line);
+	ASSERT_TRUE(std::getline(in, line));
+	EXPECT_EQ(line.find(R"("left, ""mine""",0)"), 0u) << line;
+}
+
 // The palm of a recorded hand comes down on a box that lies on a floor, without code: the parts are felt by the box and held up by it.
 TEST(SceneHands, ARecordedHandPressesWithSixteenParts)
 {

@@ -22,6 +22,7 @@ namespace
 {
 namespace fs = std::filesystem;
 constexpr double kRadius = 0.02;
+constexpr const char* kForcesByButton = R"({"on": "button", "button": 7, "do": "switch", "what": "forces", "start": "off"})";
 
 /// A folder of its own for each test, which is empty at the beginning.
 class StudyFiles : public testing::Test
@@ -93,8 +94,8 @@ protected:
 			R"("conditions": [{"name": "one", "scene": "scene.json", "set": {"name": "ball"})" + condition + "}]}";
 	}
 
-	/// A recorded hand that stands 1 m above the floor, and presses buttons in these ticks.
-	void recordHand(const std::string& name, const std::map<int, std::uint32_t>& buttons, int ticks) const
+	/// A recorded hand that stands 1 m above the floor, presses buttons in these ticks, and is not there in the first `silent` ones.
+	void recordHand(const std::string& name, const std::map<int, std::uint32_t>& buttons, int ticks, int silent = 0) const
 	{
 		devicebridge::Recording recording;
 		recording.info = devicebridge::simulatedProfile("sigma7").value().info;
@@ -109,6 +110,7 @@ protected:
 			tick.state.sampledAt = tick.now;
 			tick.state.X_WH.translation = {0, 1, 0};
 			tick.state.buttons = pressed;
+			if (i < silent) tick.readStatus = devicebridge::DeviceStatus::Disconnected;
 			recording.ticks.push_back(tick);
 		}
 		ASSERT_TRUE(devicebridge::saveRecording(recording, path(name)));
@@ -242,6 +244,37 @@ TEST_F(StudyFiles, ButtonsBeginAndEndATrial)
 	EXPECT_NEAR(std::stod(samples.back().at("force_y")), 0.8, 0.01);
 }
 
+// The device of the second hand gives its first sample 0.2 s after that of the first.
+TEST_F(StudyFiles, SamplesOfAllHandsHaveOneTime)
+{
+	recordHand("hand.istdrec", {}, 500, 200);
+	const std::string hand = R"({"device": "sim:sigma7", "tool": "ball", "name": "a"}, {"device": "replay:)" + path("hand.istdrec") +
+		R"(", "tool": "second", "name": "b"})";
+	std::string scene = text("scene.json");
+	scene.erase(scene.find("\"hand\""));
+	scene += R"("duration": 1, "hands": [)" + hand + "]}";
+	const std::string plate = R"({"name": "plate")";
+	scene.insert(scene.find(plate), R"({"name": "second", "asset": "ball", "material": "m", "position": [0, 1, 0]}, )");
+	write("scene.json", scene);
+	const auto outcome = run(R"({"schema": 1, "name": "s", "sampleRate": 1000, "timeLimit": 0.4,
+		"conditions": [{"name": "one", "scene": "scene.json"}]})");
+	ASSERT_TRUE(outcome) << outcome.error().message;
+	std::map<std::string, std::pair<double, double>> times;
+	std::map<std::string, int> counts;
+	for (const auto& sample : table("s-p1-samples.csv"))
+	{
+		const std::string& name = sample.at("hand");
+		const double time = std::stod(sample.at("time_s"));
+		if (counts[name]++ == 0) times[name].first = time;
+		times[name].second = time;
+	}
+	EXPECT_NEAR(times["a"].first, 0, 1e-9);
+	EXPECT_NEAR(times["a"].second, 0.4, 1e-9);
+	EXPECT_NEAR(times["b"].first, 0.2, 1e-9);
+	EXPECT_NEAR(times["b"].second, 0.4, 1e-9);
+	EXPECT_EQ(counts["b"], 201);
+}
+
 TEST_F(StudyFiles, ATrialHasItsLimitsOfTime)
 {
 	auto outcome = run(studyOf(R"("begin": {"contact": ["floor"]}, )"));
@@ -347,7 +380,21 @@ TEST_F(StudyFiles, MistakesAreNamedWithLineAndField)
 	refused(setting(R"("bodies[1].asset": "crane")"), "bodies[1].asset: no asset is called crane");
 	refused(setting(R"("bodies[7].asset": "ball")"), "\"bodies[7].asset\" is an element that is not there");
 	refused(setting(R"("hooks": [{"on": "collision", "do": "stop"}])"), "ends trials by itself");
+	refused(R"({"schema": 1, "timeLimit": 3, "begin": {"button": 1}, )" + condition + R"(, "set": {"hooks": [)" + kForcesByButton + "]}}]}",
+		"switches the forces by itself");
 	EXPECT_TRUE(fs::is_empty(m_folder) || !fs::exists(path("s-p1-trials.csv")));
+}
+
+// A study without a button to begin leaves the forces to the hooks.
+TEST_F(StudyFiles, ForcesThatAConditionSwitchesOffStayOff)
+{
+	const std::string study = studyOf(R"("begin": {"contact": ["floor"]}, )");
+	ASSERT_TRUE(run(study));
+	EXPECT_GT(std::stod(table("s-p1-trials.csv").front().at("max_force_n")), 0.3);
+	const std::string off = R"("set": {"hooks": [)" + std::string(kForcesByButton) + "], ";
+	ASSERT_TRUE(run(std::string(study).replace(study.find("\"set\": {"), 8, off), 2));
+	EXPECT_EQ(std::stod(table("s-p2-trials.csv").front().at("max_force_n")), 0);
+	EXPECT_EQ(table("s-p2-trials.csv").front().at("ended_by"), "time limit");
 }
 
 TEST_F(StudyFiles, AnotherDeviceTakesThePlaceOfAllScenes)
@@ -358,6 +405,41 @@ TEST_F(StudyFiles, AnotherDeviceTakesThePlaceOfAllScenes)
 	ASSERT_TRUE(study) << study.error().message;
 	EXPECT_EQ(study.value().conditions.front().scene.hands.front().device, "replay:" + path("hand.istdrec"));
 	EXPECT_TRUE(study.value().conditions.front().scene.hands.front().path.empty());
+}
+
+TEST_F(StudyFiles, AnotherDeviceWantsToKnowWhereItsWorldIs)
+{
+	// Without an origin the world of a device is where its path begins, and another device has no path.
+	std::string scene = text("scene.json");
+	const std::string origin = R"("origin": {"position": [0, 0.05, 0]}, )";
+	write("scene.json", scene.erase(scene.find(origin), origin.size()));
+	write("study.json", studyOf(""));
+	EXPECT_TRUE(loadStudy(path("study.json")));
+	const Result<Study> study = loadStudy(path("study.json"), "sim:touch");
+	ASSERT_FALSE(study);
+	EXPECT_NE(study.error().message.find("its first hand wants an origin"), std::string::npos) << study.error().message;
+}
+
+TEST_F(StudyFiles, AnotherDeviceTakesThePlaceOfATrackedHand)
+{
+	const std::string study = R"({"schema": 1, "timeLimit": 3, "conditions": [{"name": "one", "scene": "scene.json",
+		"set": {"topology": "one-thread", "duration": 1, "hand": {"device": "motion:one.csv", "parts": {"spheres": 60}}}}]})";
+	write("study.json", study);
+	const Result<Study> read = loadStudy(path("study.json"), "motion:other.csv");
+	ASSERT_TRUE(read) << read.error().message;
+	EXPECT_EQ(read.value().conditions.front().scene.hands.front().device, "motion:other.csv");
+}
+
+TEST(StudyExample, AnotherDeviceBeginsTheAssemblyAboveTheTable)
+{
+	const Result<Study> study = loadStudy(STUDY_FOLDER "/assembly.json", "sim:touch");
+	ASSERT_TRUE(study) << study.error().message;
+	for (const StudyCondition& condition : study.value().conditions)
+		for (const SceneHand& hand : condition.scene.hands)
+		{
+			ASSERT_TRUE(hand.X_BW);
+			EXPECT_EQ(hand.X_BW->translation, condition.scene.bodies[hand.tool].X_BM.translation);
+		}
 }
 
 TEST(StudyExample, OneOfSixAnswersOfAHandThatAlwaysSaysBallIsRight)

@@ -91,7 +91,13 @@ ForceHand::~ForceHand()
 {
 	m_thread.stop();
 	m_coupling.remove(m_source);
+	// The tool comes back at rest. The world would give it its own gravity, and it has not seen the pulls of the time before.
+	const btVector3 gravity = m_tool.getGravity();
+	m_tool.clearForces();
+	m_tool.setLinearVelocity(btVector3(0, 0, 0));
+	m_tool.setAngularVelocity(btVector3(0, 0, 0));
 	m_world.bullet().addRigidBody(&m_tool);
+	m_tool.setGravity(gravity);
 }
 
 void ForceHand::afterStep()

@@ -41,7 +41,7 @@ public:
 	/// are known, `say` says what is assumed.
 	static ist::Result<std::unique_ptr<ForceHand>> make(
 		devicebridge::Device& device, DemoWorld& world, btRigidBody& tool, double scale, const devicebridge::AssumptionListener& say = {});
-	/// Stops the thread, and leaves the device at zero and the tool in the world.
+	/// Stops the thread, and leaves the device at zero and the tool in the world, at rest and with its gravity.
 	~ForceHand();
 	ForceHand(const ForceHand&) = delete;
 	ForceHand& operator=(const ForceHand&) = delete;

@@ -24,7 +24,7 @@ namespace browser
 namespace
 {
 constexpr double kDegrees = 180 / 3.14159265358979323846;
-constexpr double kStill = 1e-3;  // speed below which a body counts as being at rest [m/s]
+constexpr double kStill = 1e-3;  // speed below which a body counts as being at rest [m/s, rad/s]
 
 Json listOf(const Vec3& v)
 {
@@ -63,7 +63,7 @@ public:
 		return write();
 	}
 
-	/// Removes the trees that were saved.
+	/// Removes the trees that were saved, but those of an earlier scene.
 	void removeAssets() const
 	{
 		std::error_code ignored;
@@ -125,7 +125,7 @@ private:
 		if (bullet.getInvMass() > 0) json["mass"] = 1 / double(bullet.getInvMass());
 		else json["fixed"] = true;
 		addMaterial(bullet, json);
-		if (double(bullet.getLinearVelocity().length()) > kStill) ++m_moving;
+		if (double(bullet.getLinearVelocity().length()) > kStill || double(bullet.getAngularVelocity().length()) > kStill) ++m_moving;
 		if (&bullet == m_tool) m_toolName = json["name"].text(), m_toolBody = json;
 		m_json["bodies"].append(json);
 		return std::nullopt;
@@ -139,9 +139,12 @@ private:
 		std::string name = solid.name;
 		for (int i = 2; !m_assetNames.insert(name).second; ++i) name = solid.name + " " + std::to_string(i);
 		const std::string file = fileNameOf(m_path.stem().string() + "-" + name) + ".ist";
-		const Result<size_t> saved = saveAsset(*solid.tree, (m_path.parent_path() / file).string());
+		const std::filesystem::path path = m_path.parent_path() / file;
+		std::error_code ignored;
+		const bool existed = std::filesystem::exists(path, ignored);
+		const Result<size_t> saved = saveAsset(*solid.tree, path.string());
 		if (!saved) return saved.error();
-		m_files.push_back(m_path.parent_path() / file);
+		if (!existed) m_files.push_back(path);
 		m_json["assets"].append({{"name", name}, {"ist", file}});
 		return m_assets[&solid] = name;
 	}

@@ -227,7 +227,8 @@ std::optional<double> WorldDemo::grab(const Vec3& from, const Vec3& direction)
 	for (const Part& part : m_parts)
 		for (const DemoWorld::Body& b : part.world->bodies())
 		{
-			if (part.zoom != 1) continue;
+			// A tool that a device feels is not in the world.
+			if (part.zoom != 1 || !b.body->isInWorld()) continue;
 			const double t = rayMeetsMesh(b.visibleMesh(), b.X_WP(), from - part.shift, direction);
 			if (t > 0 && (nearest < 0 || t < nearest)) nearest = t, met = b.body.get();
 		}

@@ -98,6 +98,15 @@ AssemblyTrial AssemblyJudge::finish(const SceneOutcome& run) const
 	return trial;
 }
 
+/// Refuses a scene without the bodies that AssemblyJudge watches.
+std::optional<Error> checkBodies(const Scene& scene, const std::string& file)
+{
+	for (const char* name : {"peg", "tube"})
+		if (std::none_of(scene.bodies.begin(), scene.bodies.end(), [name](const SceneBody& body) { return body.name == name; }))
+			return Error{file + ": no body is called " + name};
+	return std::nullopt;
+}
+
 /// The path of a hand that holds its tool with an error from the second frame on.
 void mislead(SceneHand& hand, const HandError& error)
 {
@@ -129,9 +138,11 @@ Result<std::vector<AssemblyCondition>> runAssembly(const AssemblyOptions& option
 	std::vector<AssemblyCondition> conditions;
 	for (const int hands : {1, 2})
 	{
-		const std::string file = hands == 1 ? "assembly-one-hand.json" : "assembly-two-hands.json";
-		const Result<Scene> read = loadScene((std::filesystem::path(options.scenes) / file).string());
+		const char* const name = hands == 1 ? "assembly-one-hand.json" : "assembly-two-hands.json";
+		const std::string file = (std::filesystem::path(options.scenes) / name).string();
+		const Result<Scene> read = loadScene(file);
 		if (!read) return read.error();
+		if (auto refused = checkBodies(read.value(), file)) return *refused;
 		for (const int freedoms : {3, 6})
 		{
 			AssemblyCondition condition{hands, freedoms, {}};

@@ -196,6 +196,7 @@ SceneHandRun runOf(PlayedHand& hand, size_t ticks, bool virtualTime)
 	SceneHandRun run;
 	run.name = hand.scene->name;
 	run.device = hand.device->info().model;
+	run.begun = hand.recorder->begun();
 	run.ticks = hand.recorder->take();
 	run.cutShort = run.ticks.size() < ticks;
 	run.overruns = thread.overruns();

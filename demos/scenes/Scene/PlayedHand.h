@@ -39,6 +39,8 @@ public:
 		size_t capacity, const devicebridge::BulletDecoupledSource* source);
 	/// Number of rows, for any thread.
 	size_t size() const { return m_count.load(std::memory_order_acquire); }
+	/// Time of the first row on the clock [s]; for the end of the run, as take().
+	double begun() const { return 1e-9 * static_cast<double>(m_first); }
 	std::vector<SceneTick> take();
 
 private:

@@ -189,7 +189,7 @@ std::string SceneHooks::textOf(const SceneHook& hook) const
 	text += "\n";
 	for (const auto& [events, row] : rows)
 	{
-		if (named) text += events->hand->scene->name + ",";
+		if (named) text += csvText(events->hand->scene->name) + ",";
 		text += formatNumber(row->time - rows.front().second->time, 9) + csvPose(row->hand);
 		const Wrench& w = row->wrench;
 		if (whole)

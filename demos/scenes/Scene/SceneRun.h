@@ -23,7 +23,7 @@ struct SceneRunOptions
 /// One tick of a scene. World B.
 struct SceneTick
 {
-	double time = 0;    ///< time since the first tick [s]
+	double time = 0;    ///< time since the hand's first tick [s]
 	double period = 0;  ///< time since the tick before [s]
 	double threadMicroseconds =
 		0;  ///< processor time of the hand's thread from the tick before to this one [us]; in one thread, that of all hands
@@ -49,6 +49,7 @@ struct SceneContactCount
 struct SceneHandRun
 {
 	std::string name, device, scheduling, memory;
+	double begun = 0;  ///< time of the first tick, on the clock that all hands share [s]
 	std::vector<SceneTick> ticks;
 	uint64_t overruns = 0, deviceErrors = 0, refusedQueries = 0, worldSteps = 0;
 	devicebridge::SafetyCounts safety;

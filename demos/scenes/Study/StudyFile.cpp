@@ -97,20 +97,36 @@ private:
 			for (const auto& [field, value] : set->fields()) settings.push_back({field, value});
 		f.finish();
 		if (m_problem) return;
-		// A study has its own time limits.
-		if (!m_device.empty())
+		Result<Scene> scene = loadScene(condition.sceneFile, settings);
+		if (scene && !m_device.empty() && !scene.value().hands.empty())
 		{
-			const Result<JsonSource> file = JsonSource::load(condition.sceneFile);
-			const bool several = file && file.value().root().contains("hands");
-			const std::string hand = several ? "hands[0]" : "hand";
-			settings.insert(settings.end(), {{hand + ".device", m_device}, {hand + ".path", Json::list()}, {"duration", 1}});
+			if (!checkOrigin(f, condition.sceneFile, scene.value().hands.front())) return;
+			replaceDevice(condition.sceneFile, scene.value().hands.front(), settings);
+			scene = loadScene(condition.sceneFile, settings);
 		}
-		const Result<Scene> scene = loadScene(condition.sceneFile, settings);
 		if (!scene) return f.refuse("", scene.error().message);
 		condition.scene = scene.value();
 		condition.place = m_source.problem(path, "").message;
 		checkScene(f, condition);
 		m_study.conditions.push_back(std::move(condition));
+	}
+
+	/// Refuses a first hand whose world is where its path begins, because another device has no path.
+	bool checkOrigin(JsonFields& f, const std::string& file, const SceneHand& hand)
+	{
+		if (hand.X_BW || hand.path.empty()) return true;
+		f.refuse("scene", file + " does not say where the world of another device is: its first hand wants an origin");
+		return false;
+	}
+
+	/// Settings that give the first hand the device of the study. A study has its own time limits.
+	void replaceDevice(const std::string& file, const SceneHand& first, std::vector<SceneSetting>& settings) const
+	{
+		const Result<JsonSource> json = JsonSource::load(file);
+		const bool several = json && json.value().root().contains("hands");
+		const std::string hand = several ? "hands[0]" : "hand";
+		settings.insert(settings.end(), {{hand + ".device", m_device}, {"duration", 1}});
+		if (!first.path.empty()) settings.push_back({hand + ".path", Json::list()});
 	}
 
 	/// Refuses a scene in which the study could not be run.
@@ -132,6 +148,11 @@ private:
 		for (const SceneHook& hook : condition.scene.hooks)
 			if (hook.action == SceneHook::Action::Record || hook.action == SceneHook::Action::Stop)
 				f.refuse("scene", "a study keeps samples and ends trials by itself; " + condition.sceneFile + " has a hook that does");
+		const bool byButton = m_study.begin.kind == StudyEvent::Kind::Button;
+		for (const SceneHook& hook : condition.scene.hooks)
+			if (byButton && hook.action == SceneHook::Action::Switch && hook.what == SceneHook::What::Forces && hook.hand.value_or(0) == 0)
+				f.refuse("scene",
+					"a study that begins with a button switches the forces by itself; " + condition.sceneFile + " has a hook that does");
 	}
 
 	const JsonSource& m_source;

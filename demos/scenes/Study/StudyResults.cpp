@@ -85,7 +85,9 @@ std::optional<Error> StudyResults::add(const StudyTrial& trial, const TrialWatch
 	{
 		const SceneHand& hand = run.scene.hands[i];
 		const size_t end = watch.ended() ? static_cast<size_t>(watch.endTick()) : first.size() - 1;
-		addSamples(trial, run.hands[i], first[static_cast<size_t>(watch.beginTick())].time, first[end].time,
+		// Each hand counts from its own first tick.
+		const double later = run.hands[i].begun - run.hands.front().begun;
+		addSamples(trial, run.hands[i], first[static_cast<size_t>(watch.beginTick())].time - later, first[end].time - later,
 			hand.parts ? Pose() : inverse(world.body(hand.tool).X_MP));
 	}
 	if (auto refused = write(m_trialsFile + kUnfinished, m_trials)) return refused;

@@ -48,7 +48,8 @@ bool TrialWatch::look(SteppingThread& thread, const SceneWorld& world)
 		if (awaited && !happens(m_study.begin, m_seenBegin, thread, world)) return m_late = reached(m_start, m_study.waitLimit), !m_late;
 		m_begin = m_tick;
 		m_begunAt = at;
-		thread.enableForces(true);
+		// Where the trial begins in another way, a hook of the scene may have switched the forces off.
+		if (m_study.begin.kind == Kind::Button) thread.enableForces(true);
 	}
 	const bool ends = m_study.end.kind != Kind::None && happens(m_study.end, m_seenEnd, thread, world) && m_tick > m_begin;
 	m_late = !ends && reached(m_begunAt, m_study.timeLimit);

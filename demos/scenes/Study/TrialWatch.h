@@ -6,7 +6,8 @@
 
 namespace scenes
 {
-/// Watches the ticks of a run for the begin and the end of a trial. While a button is awaited to begin, the device gets no force.
+/// Watches the ticks of a run for the begin and the end of a trial. While a button is awaited to begin, the device of the first hand gets
+/// no force; those of others do.
 class TrialWatch
 {
 public:

@@ -101,6 +101,24 @@ TEST(ForceHand, TheToolStaysWhereItIsWhenTheHandBegins)
 	EXPECT_LT(double((rig.tool->getWorldTransform().getRotation() - before.getRotation()).length()), 1e-2);
 }
 
+TEST(ForceHand, TheToolComesBackAtRestWithItsGravity)
+{
+	Rig rig(0);
+	const btVector3 gravity(0, -1, 0), none(0, 0, 0);
+	rig.tool->setGravity(gravity);
+	rig.tool->setLinearVelocity(btVector3(3, 0, 0));
+	rig.tool->setAngularVelocity(btVector3(0, 2, 0));
+	rig.tool->applyCentralForce(btVector3(0, 5, 0));
+	auto made = ForceHand::make(rig.device, rig.world, *rig.tool, 1);
+	ASSERT_TRUE(made) << made.error().message;
+	made.value().reset();
+	EXPECT_TRUE(rig.tool->isInWorld());
+	EXPECT_EQ(rig.tool->getGravity(), gravity);
+	EXPECT_EQ(rig.tool->getLinearVelocity(), none);
+	EXPECT_EQ(rig.tool->getAngularVelocity(), none);
+	EXPECT_EQ(rig.tool->getTotalForce(), none);
+}
+
 TEST(ForceHand, WhatCannotBeFeltIsNamed)
 {
 	Rig rig(0);

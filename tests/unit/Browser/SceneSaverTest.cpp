@@ -98,3 +98,28 @@ TEST(SceneSaver, WhatCannotBeSavedLeavesNothing)
 	EXPECT_TRUE(std::filesystem::is_empty(folder.path));
 	EXPECT_FALSE(ran("stack", 0)->saveScene("no/such/folder/x.json"));
 }
+
+TEST(SceneSaver, WhatCannotBeSavedLeavesTheTreesOfAnEarlierScene)
+{
+	const Folder folder;
+	const auto screw = ran("screw", 0);
+	std::vector<std::filesystem::path> trees;
+	for (const DemoWorld::Body& body : screw->worlds().front()->bodies())
+		if (body.solid) trees.push_back(folder.path / ("a-scene-" + body.solid->name + ".ist"));
+	ASSERT_FALSE(trees.empty());
+	for (const std::filesystem::path& tree : trees) std::ofstream(tree) << "of an earlier scene";
+	ASSERT_FALSE(screw->saveScene(folder.file()));
+	for (const std::filesystem::path& tree : trees) EXPECT_TRUE(std::filesystem::exists(tree)) << tree;
+}
+
+TEST(SceneSaver, ABodyThatOnlyTurnsCountsAsMoving)
+{
+	const Folder folder;
+	const auto demo = ran("stack", 0);
+	for (const DemoWorld::Body& body : demo->worlds().front()->bodies()) body.body->setLinearVelocity(btVector3(0, 0, 0));
+	demo->worlds().front()->bodies().back().body->setAngularVelocity(btVector3(0, 1, 0));
+	const auto leftOut = demo->saveScene(folder.file());
+	ASSERT_TRUE(leftOut) << leftOut.error().message;
+	ASSERT_EQ(leftOut.value().size(), 1u);
+	EXPECT_EQ(leftOut.value().front().find("the velocities of bodies: 1 of them moved"), 0u) << leftOut.value().front();
+}

@@ -146,6 +146,10 @@ accept "a push to the wrong side" 1 "$(answers "left left up down towards away" 
 holds "a push to the wrong side" "not r['ok'] and [q['ok'] for q in $part['forces']['pushes']] == [False] + 5 * [True]"
 accept "a wrong scale" 1 "$(answers "$felt" 44 yes)" sim:sigma7
 holds "a wrong scale" "[p['part'] for p in r['parts'] if not p['ok']] == ['scale']"
+accept "a ruler and a word" 0 "$(answers "$felt" "$(printf '40 mm\nforty\n40')" yes)" sim:sigma7
+says "a ruler and a word" "A number of millimetres alone"
+accept "axes that are unknown" 1 "$(printf '%s\n' yes skip skip skip skip skip "")" "replay:$dir/short.istdrec"
+holds "axes that are unknown" "all('axes first' in $part[name]['error'] for name in ('turns', 'forces'))"
 accept "a handle that runs away" 1 "$(answers "$felt" 40 no)" sim:sigma7
 holds "a handle that runs away" "[p['part'] for p in r['parts'] if not p['ok']] == ['release']"
 accept "no answer to the first question" 1 "no" sim:sigma7

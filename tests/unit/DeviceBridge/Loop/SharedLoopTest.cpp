@@ -115,6 +115,19 @@ TEST(SharedLoop, EachHandGetsItsOwnForce)
 	EXPECT_EQ(hands.right.last.wrench.force.x, 0);
 }
 
+TEST(SharedLoop, AHandHasTheOverrunsAndCostsOfItsLoop)
+{
+	TwoHands hands;
+	hands.leftLoop.onTransform.addDelegate([&](const DeviceState&) {
+		if (hands.leftLoop.ticks() == 5) hands.clock.sleepUntil(hands.clock.now() + 10'000'000);
+	});
+	ASSERT_TRUE(hands.leftLoop.run(20));
+	EXPECT_EQ(hands.leftLoop.overruns(), 1u);
+	EXPECT_EQ(hands.rightLoop.overruns(), 1u);
+	EXPECT_EQ(hands.rightLoop.costs().count(), 20u);
+	EXPECT_EQ(hands.rightLoop.periods().longest(), hands.leftLoop.periods().longest());
+}
+
 TEST(SharedLoop, ATickOfTwoHandsDoesNotAllocate)
 {
 	TwoHands hands;
