@@ -211,7 +211,7 @@ private:
 			m_surface.textured.mesh.vertices.push_back({values[0], values[1], values[2]});
 			if (m_hasPlaces) m_places.push_back({values[3], values[4]});
 		}
-		if (kind == Kind::Face) m_faces.push_back(face);
+		if (kind == Kind::Face && face.count > 0) m_faces.push_back(face);
 		return true;
 	}
 
