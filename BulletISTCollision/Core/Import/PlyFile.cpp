@@ -23,8 +23,9 @@ namespace ist
 {
 namespace
 {
-/// Elements between two calls of the progress callback.
+/// Elements between two calls of the progress callback, or, where faces are divided, the sum of the squares of their numbers of corners.
 constexpr uint64_t kBetweenCalls = 1 << 16;
+constexpr const char* kCancelled = "the import was cancelled";
 /// The index of a corner that cannot be one.
 constexpr uint32_t kNoVertex = UINT32_MAX;
 
@@ -163,7 +164,7 @@ private:
 		for (uint64_t i = 0; i < element.count; ++i)
 		{
 			if (m_goesOn && i % kBetweenCalls == 0 && !m_goesOn(double(m_numbers.position()) / double(m_size)))
-				return Error{"the import was cancelled", true};
+				return Error{kCancelled, true};
 			if (!readRow(element, kind))
 				return Error{m_numbers.problem() + ", in element " + std::to_string(i + 1) + " of the " + std::to_string(element.count) +
 					" " + quotedText(element.name) + " that its header states; export the mesh again"};
@@ -271,8 +272,15 @@ private:
 	{
 		LeftOut leftOut;
 		const std::vector<Vec3>& vertices = m_surface.textured.mesh.vertices;
+		uint64_t work = 0;
 		for (const PlyFace& face : m_faces)
 		{
+			work += uint64_t(face.count) * face.count;
+			if (m_goesOn && work >= kBetweenCalls)
+			{
+				if (!m_goesOn(1)) return Error{kCancelled, true};
+				work = 0;
+			}
 			const std::span<const uint32_t> corners(m_corners.data() + face.corners, face.count);
 			if (leftOut.takes(corners.size(), std::ranges::all_of(corners, [&](uint32_t c) { return c < vertices.size(); })))
 				append(corners, face);

@@ -299,6 +299,25 @@ TEST(PlyFile, CancellingEndsTheReading)
 	EXPECT_TRUE(read.error().cancelled);
 }
 
+// Once the bytes are read, concave faces of many corners are divided, which may take long.
+TEST(PlyFile, TheDivisionOfLargeFacesIsCancelled)
+{
+	constexpr int kCorners = 600;
+	std::string star = "ply\nformat ascii 1.0\nelement vertex 600\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+					   "property list int int vertex_indices\nend_header\n";
+	for (int i = 0; i < kCorners; ++i)
+		star += std::to_string((1 + i % 2) * std::cos(i * 0.0104719755)) + ' ' + std::to_string((1 + i % 2) * std::sin(i * 0.0104719755)) +
+			" 0\n";
+	star += std::to_string(kCorners);
+	for (int i = 0; i < kCorners; ++i) star += ' ' + std::to_string(i);
+	const Result<PlySurface> whole = readPly(star, [](double) { return true; });
+	ASSERT_TRUE(whole) << whole.error().message;
+	EXPECT_EQ(whole.value().textured.mesh.triangles.size(), size_t(kCorners - 2));
+	const Result<PlySurface> read = readPly(star, [](double share) { return share < 1; });
+	ASSERT_FALSE(read);
+	EXPECT_TRUE(read.error().cancelled);
+}
+
 // Assimp 5.2.5 ended the process on some of these.
 TEST(PlyFile, SeededDamageIsReadOrRefused)
 {
