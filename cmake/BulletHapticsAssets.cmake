@@ -2,13 +2,14 @@
 # Assets as part of a build:
 #
 #   bullethaptics_add_assets(<target> MESHES <file>...
-#     [SPHERES n] [FILL f] [MIN_RADIUS m] [ERROR e] [UNIT m|cm|mm|um|in|ft|metres] [UP axis] [REPAIR auto|off|wrap|"ground DEPTH"]
+#     [SPHERES n] [FILL f] [MIN_RADIUS m] [ERROR e] [UNIT m|cm|mm|um|in|ft|metres] [UP axis] [REPAIR auto|off|wrap|"ground DEPTH [AXIS]"]
 #     [ACCEPT_DOUBT] [SEED n] [THREADS n] [OUTPUT_DIRECTORY <folder>] [DEPENDS <file>...])
 #
 # Adds <target>, part of ALL, which packs each mesh into <folder>/<name>.ist (default folder: the current binary directory). The
 # assets build side by side, one thread each unless THREADS says otherwise, and again only when the mesh, a file in DEPENDS, a
 # setting or the `ist` command changed. A mesh that repair changed is named in the build's output, with what was done. The target
-# property BULLETHAPTICS_ASSETS lists the files. Settings mean what they mean to `ist build`:
+# property BULLETHAPTICS_ASSETS lists the files. AXIS is that of the mesh which UP turned, and the one to which UP turns by default.
+# Settings mean what they mean to `ist build`:
 # with ACCEPT_DOUBT it also builds meshes of which repair may have guessed more than half of the volume (--accept-doubt).
 function(bullethaptics_add_assets target)
 	set(settings SPHERES FILL MIN_RADIUS ERROR UNIT UP REPAIR SEED)

@@ -68,7 +68,8 @@ BuildOptions buildOptions(const BuildArguments& a, double unit, const Progress& 
 	const RepairChoice repair = repairChoice(a.repair).value_or(RepairChoice());
 	options.repair = repair.mode;
 	options.ground = repair.ground;
-	if (const auto axes = upAxes(a.up)) options.ground.up = axes->to;
+	const bool namesAxis = std::count(a.repair.begin(), a.repair.end(), ' ') == 2;
+	if (const auto axes = upAxes(a.up); axes && !namesAxis) options.ground.up = axes->to;
 	options.unit = unit;
 	options.seed = a.seed;
 	options.surface = !a.withoutSurface;

@@ -30,7 +30,7 @@ struct BuildArguments
 	double error = 0;             ///< 0: not given
 	std::string unit;             ///< empty: not given
 	std::string up;               ///< empty: not given
-	std::string repair = "auto";  ///< or "ground 2"
+	std::string repair = "auto";  ///< or "ground 2", or "ground 2 y" with an axis of the mesh that `up` turned
 	int threads = 0;
 	uint64_t seed = 1;
 	bool withoutSurface = false, acceptDoubt = false;

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Mesh/LengthUnit.h"
 #include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
+#include "BulletISTCollision/Core/Repair/MeshGround.h"
 #include "BulletISTCollision/Json/ReadableText.h"
 #include "BulletISTCollision/Tools/Commands.h"
 
@@ -22,8 +23,8 @@ std::string withFlags(std::string sentence)
 		{"call buildTree() with BuildOptions::maxSpheres instead", "give --spheres without --error"},
 		{"pass its unit to importMesh()", "give its unit (--unit)"}, {"RepairMode::Wrap", "--repair wrap"},
 		{"RepairMode::Ground", "--repair ground DEPTH, in metres; up is y, or what --up says"},
-		{"name that axis as up", "name that axis as up (--up)"}, {"BuildOptions::maxSpheres", "--spheres"},
-		{"BuildOptions::targetFill", "--fill"}, {"BuildOptions::minRadius", "--min-radius"}};
+		{"name that axis as up", "name as up (--up) the axis of the file that became it; without --up that is the same axis"},
+		{"BuildOptions::maxSpheres", "--spheres"}, {"BuildOptions::targetFill", "--fill"}, {"BuildOptions::minRadius", "--min-radius"}};
 	for (const auto& [setting, flag] : kFlags)
 		for (size_t at = 0; (at = sentence.find(setting, at)) != sentence.npos; at += flag.size())
 			sentence.replace(at, setting.size(), flag);
@@ -74,6 +75,7 @@ std::string format(const Report& report, bool json) { return json ? report.dump(
 
 double volumeChange(const InnerSphereTree& tree)
 {
+	if (groundFromText(tree.provenance.repairMode)) return std::numeric_limits<double>::quiet_NaN();
 	// Share of the area times the longest side that single-precision coordinates may add. A mesh with less volume enclosed nothing.
 	constexpr double kRounding = 0x1p-23;
 	const double before = std::fabs(tree.provenance.meshVolume);

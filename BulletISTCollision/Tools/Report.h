@@ -20,7 +20,7 @@ Report unitName(double metres);
 std::string format(const Report& report, bool json);
 /// The sentence of the library with the command's flags in place of the C++ settings that it names.
 std::string withFlags(std::string sentence);
-/// Change of the volume by repair, as a share of the volume as read; NaN if the mesh enclosed nothing.
+/// Change of the volume by repair, as a share of the volume as read; NaN if the mesh enclosed nothing, as ground does.
 double volumeChange(const InnerSphereTree& tree);
 /// Adds the properties of an asset that `build` and `info` both report.
 void describeTree(Report& report, const InnerSphereTree& tree, size_t bytes);

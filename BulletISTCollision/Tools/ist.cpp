@@ -108,7 +108,8 @@ private:
 			->check(unit());
 		sub->add_option("--up", a.up, "the file's axis that points up, which becomes y: z or -x, or z,y with another axis to become")
 			->check(axes());
-		sub->add_option("--repair", a.repair, "what to do about broken meshes: auto, off, wrap, or ground DEPTH [m]")
+		sub->add_option("--repair", a.repair,
+			   "what to do about broken meshes: auto, off, wrap, ground DEPTH [m], or \"ground DEPTH AXIS\" of the turned mesh")
 			->check(repairs())
 			->capture_default_str();
 		sub->add_flag("--accept-doubt", a.acceptDoubt, "also build what repair may have guessed by more than half of the volume");

@@ -6,6 +6,8 @@
 
 #include "BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h"
 
+#include <cstdio>
+
 using namespace scenario;
 using ist::Vec3;
 
@@ -89,7 +91,8 @@ struct Roll
 	}
 };
 
-void rollOverBothKinds(double amplitude, double bump)
+/// `bump`: bound of the spread of the height above the mesh; `deepest`: bound of the depth below it [m].
+void rollOverBothKinds(double amplitude, double bump, double deepest)
 {
 	for (const bool isHeightfield : {true, false})
 		for (const double rate : {60.0, 240.0})
@@ -110,8 +113,10 @@ void rollOverBothKinds(double amplitude, double bump)
 			ASSERT_TRUE(tree.isAttached()) << tree.error();
 			const Roll roll(scene, terrain, scene.add(shape, 0, 0, at({0, middle, 0})), rate);
 			const std::string what = (isHeightfield ? "heightfield, " : "triangles, ") + std::to_string(rate) + " Hz";
+			std::printf("%s: %.2f to %.2f mm above the mesh, spread %.2f mm\n", what.c_str(), 1e3 * roll.lowest, 1e3 * roll.highest,
+				1e3 * (roll.highest - roll.lowest));
 			EXPECT_LT(roll.highest - roll.lowest, bump) << what;
-			EXPECT_GT(roll.lowest, -0.006) << what;
+			EXPECT_GT(roll.lowest, -deepest) << what;
 			EXPECT_LT(roll.highest, 0) << what;
 			EXPECT_GT(roll.way, 3) << what;
 		}
@@ -119,6 +124,6 @@ void rollOverBothKinds(double amplitude, double bump)
 }  // namespace
 
 // Bullet's own contact of the ball's hull with these triangles throws it 190 mm high.
-TEST(OpenGround, ABallRollsOverFlatGroundWithoutABump) { rollOverBothKinds(0, 0.0005); }
+TEST(OpenGround, ABallRollsOverFlatGroundWithoutABump) { rollOverBothKinds(0, 0.0005, 0.002); }
 
-TEST(OpenGround, ABallRollsOverHillsAtTheHeightOfTheMesh) { rollOverBothKinds(0.05, 0.002); }
+TEST(OpenGround, ABallRollsOverHillsAtTheHeightOfTheMesh) { rollOverBothKinds(0.05, 0.002, 0.0045); }

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Import/LeftOut.h"
 #include "BulletISTCollision/Core/Import/MeshText.h"
 #include "BulletISTCollision/Core/Import/PlyHeader.h"
+#include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
 #include "BulletISTCollision/Core/Mesh/PolygonDivision.h"
 
 #include <algorithm>
@@ -22,8 +23,9 @@ namespace ist
 {
 namespace
 {
-/// Elements between two calls of the progress callback.
+/// Elements between two calls of the progress callback, or, where faces are divided, the sum of the squares of their numbers of corners.
 constexpr uint64_t kBetweenCalls = 1 << 16;
+constexpr const char* kCancelled = "the import was cancelled";
 /// The index of a corner that cannot be one.
 constexpr uint32_t kNoVertex = UINT32_MAX;
 
@@ -51,10 +53,15 @@ public:
 
 	size_t position() const { return m_at; }
 	size_t left() const { return m_bytes.size() - m_at; }
-	/// Why the last next() was empty.
-	std::string problem() const { return m_wrong.empty() ? "it is cut short" : quotedText(m_wrong) + " is no number in it"; }
-	/// Whether only blanks are left.
-	bool isAtEnd() const { return m_bytes.find_first_not_of(kBlanks, m_at) == m_bytes.npos; }
+	/// Why the reading ended early: the last next() was empty, or what refuse() said.
+	const std::string& problem() const { return m_problem; }
+	void refuse(std::string problem) { m_problem = std::move(problem); }
+	/// Number of bytes that are left, without blanks around them.
+	size_t unread() const
+	{
+		const size_t begin = m_bytes.find_first_not_of(kBlanks, m_at);
+		return begin == m_bytes.npos ? 0 : m_bytes.find_last_not_of(kBlanks) + 1 - begin;
+	}
 
 private:
 	static constexpr std::string_view kBlanks = " \t\v\f\r\n";
@@ -66,7 +73,7 @@ private:
 		m_at = end;
 		if (begin == end) return std::nullopt;
 		const std::optional<double> number = numberInText(m_bytes.substr(begin, end - begin));
-		if (!number) m_wrong = m_bytes.substr(begin, end - begin);
+		if (!number) refuse(quotedText(m_bytes.substr(begin, end - begin)) + " is no number in it");
 		return number && type == PlyType::Float ? std::optional(double(float(*number))) : number;
 	}
 
@@ -99,7 +106,7 @@ private:
 	std::string_view m_bytes;
 	PlyHeader::Format m_format;
 	size_t m_at;
-	std::string_view m_wrong;
+	std::string m_problem = "it is cut short";
 };
 
 uint32_t vertexOf(double value)
@@ -107,11 +114,11 @@ uint32_t vertexOf(double value)
 	return value >= 0 && value < double(kNoVertex) && value == std::floor(value) ? uint32_t(value) : kNoVertex;
 }
 
-/// A face as stored: its corners in `corners`, and from `places` on two texture coordinates for each, if it has some.
+/// A face as stored: its corners begin at `corners`, and its texture coordinates, two for each corner if all are there, at `places`.
 struct PlyFace
 {
 	size_t corners = 0, count = 0;
-	std::optional<size_t> places;
+	size_t places = 0, placeNumbers = 0;
 };
 
 class PlyReader
@@ -157,7 +164,7 @@ private:
 		for (uint64_t i = 0; i < element.count; ++i)
 		{
 			if (m_goesOn && i % kBetweenCalls == 0 && !m_goesOn(double(m_numbers.position()) / double(m_size)))
-				return Error{"the import was cancelled", true};
+				return Error{kCancelled, true};
 			if (!readRow(element, kind))
 				return Error{m_numbers.problem() + ", in element " + std::to_string(i + 1) + " of the " + std::to_string(element.count) +
 					" " + quotedText(element.name) + " that its header states; export the mesh again"};
@@ -205,7 +212,7 @@ private:
 			m_surface.textured.mesh.vertices.push_back({values[0], values[1], values[2]});
 			if (m_hasPlaces) m_places.push_back({values[3], values[4]});
 		}
-		if (kind == Kind::Face) m_faces.push_back(face);
+		if (kind == Kind::Face && face.count > 0) m_faces.push_back(face);
 		return true;
 	}
 
@@ -214,6 +221,7 @@ private:
 		m_list.clear();
 		const std::optional<double> count = m_numbers.next(*property.countType);
 		// Each item takes a byte or more, so that a longer list is damaged.
+		if (count && !(*count >= 0)) m_numbers.refuse("a list in it has " + number(*count) + " items");
 		if (!count || !(*count >= 0) || *count > double(m_numbers.left())) return false;
 		for (double i = 0; i < *count; ++i)
 		{
@@ -237,6 +245,7 @@ private:
 		else if (property.name == "texcoord")
 		{
 			face.places = m_facePlaces.size();
+			face.placeNumbers = m_list.size();
 			m_facePlaces.insert(m_facePlaces.end(), m_list.begin(), m_list.end());
 			m_hasFacePlaces = true;
 		}
@@ -254,7 +263,7 @@ private:
 			const bool isOdd = inStrip % 2 == 0;
 			const std::array<double, 3> t = {m_list[i - 2 + isOdd], m_list[i - 1 - isOdd], m_list[i]};
 			if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
-			m_faces.push_back({m_corners.size(), 3, std::nullopt});
+			m_faces.push_back({m_corners.size(), 3});
 			for (const double corner : t) m_corners.push_back(vertexOf(corner));
 		}
 	}
@@ -263,21 +272,28 @@ private:
 	{
 		LeftOut leftOut;
 		const std::vector<Vec3>& vertices = m_surface.textured.mesh.vertices;
+		uint64_t work = 0;
 		for (const PlyFace& face : m_faces)
 		{
+			work += uint64_t(face.count) * face.count;
+			if (m_goesOn && work >= kBetweenCalls)
+			{
+				if (!m_goesOn(1)) return Error{kCancelled, true};
+				work = 0;
+			}
 			const std::span<const uint32_t> corners(m_corners.data() + face.corners, face.count);
 			if (leftOut.takes(corners.size(), std::ranges::all_of(corners, [&](uint32_t c) { return c < vertices.size(); })))
-				append(corners, face.places);
+				append(corners, face);
 		}
 		if (const auto sentence = leftOut.tooDamaged()) return Error{*sentence};
 		m_surface.textured.mesh.notTaken = leftOut.sentences();
-		if (m_header.format != PlyHeader::Format::Ascii && !m_numbers.isAtEnd())
+		if (const size_t unread = m_numbers.unread())
 			m_surface.textured.mesh.notTaken.push_back(
-				counted(int64_t(m_numbers.left()), "byte") + " behind the elements that the header states were left out.");
+				counted(int64_t(unread), "byte") + " behind the elements that the header states were left out.");
 		return std::move(m_surface);
 	}
 
-	void append(std::span<const uint32_t> corners, const std::optional<size_t>& facePlaces)
+	void append(std::span<const uint32_t> corners, const PlyFace& face)
 	{
 		TexturedMesh& textured = m_surface.textured;
 		m_polygon.clear();
@@ -285,18 +301,17 @@ private:
 		for (const std::array<size_t, 3>& t : dividedPolygon(m_polygon))
 		{
 			textured.mesh.triangles.push_back({corners[t[0]], corners[t[1]], corners[t[2]]});
-			if (m_hasFacePlaces)
-				textured.places.push_back({facePlace(facePlaces, t[0]), facePlace(facePlaces, t[1]), facePlace(facePlaces, t[2])});
+			if (m_hasFacePlaces) textured.places.push_back({facePlace(face, t[0]), facePlace(face, t[1]), facePlace(face, t[2])});
 			else if (m_hasPlaces) textured.places.push_back({m_places[corners[t[0]]], m_places[corners[t[1]]], m_places[corners[t[2]]]});
 		}
 	}
 
 	/// NaN where a face lacks the coordinates that others have.
-	TexturePlace facePlace(const std::optional<size_t>& first, size_t corner) const
+	TexturePlace facePlace(const PlyFace& face, size_t corner) const
 	{
 		const double nan = std::numeric_limits<double>::quiet_NaN();
-		const size_t at = first.value_or(m_facePlaces.size()) + 2 * corner;
-		return at + 1 < m_facePlaces.size() ? TexturePlace{m_facePlaces[at], m_facePlaces[at + 1]} : TexturePlace{nan, nan};
+		const size_t at = face.places + 2 * corner;
+		return 2 * corner + 1 < face.placeNumbers ? TexturePlace{m_facePlaces[at], m_facePlaces[at + 1]} : TexturePlace{nan, nan};
 	}
 
 	const PlyHeader& m_header;

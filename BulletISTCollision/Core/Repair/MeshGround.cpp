@@ -4,8 +4,10 @@
 #include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
 #include "BulletISTCollision/Core/Mesh/MeshEdges.h"
 #include "BulletISTCollision/Core/Repair/MeshOrientation.h"
+#include "BulletISTCollision/Core/Repair/MeshProbes.h"
 #include "BulletISTCollision/Core/Repair/MeshWeld.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <utility>
@@ -16,12 +18,17 @@ namespace ist
 namespace
 {
 constexpr std::string_view kGround = "ground ";
-/// Least Facing::up of ground that is closed: ceilings and overhangs may have a third of the area of the floor.
+/// Least Facing::up of ground that is closed: overhangs may have a third of the area of the floor.
 constexpr double kFacesUp = 0.5;
 /// Least Facing::up of a mesh that is called ground.
 constexpr double kIsGround = 0.95;
 /// Least Facing::flat of a mesh that is called ground, and of ground that is closed.
 constexpr double kMostlyFlat = 0.5, kNotWalls = 1e-3;
+/// Largest Facing::against of ground: scraps of a scan may face the other way.
+constexpr double kMostAgainst = 1e-3;
+/// Largest share of the volume that closed parts may fill twice, and number of lines along the longest side that measure it.
+constexpr double kMostTwice = 0.01;
+constexpr int kLines = 256;
 
 /// Twice the area of a triangle, projected along an axis; negative if the triangle faces against it.
 double projected(const Mesh& mesh, const Triangle& t, SignedAxis axis)
@@ -44,17 +51,21 @@ std::vector<uint8_t> trianglesOfOpenParts(const Mesh& mesh, const std::vector<ui
 /// Which way the open parts of a surface face.
 struct Facing
 {
-	double up = 0;    ///< net area over the sum of areas, both projected: 1 if each triangle faces up, 0 for a surface that encloses
-	double flat = 0;  ///< projected area over area: 1 for a plane across the axis, 0 for walls along it
+	/// Net areas of the parts over the sum of areas, both projected: 1 if each part faces up or down everywhere, 0 for surfaces that
+	/// enclose.
+	double up = 0;
+	double flat = 0;         ///< projected area over area: 1 for a plane across the axis, 0 for walls along it
+	double against = 0;      ///< net area of the parts that face the other way than most, over the sum of areas, both projected
+	bool wasTurned = false;  ///< whether most faced down
 };
 
-/// Turns the open parts that face down.
+/// Turns the open parts if most of their area faces down.
 Facing turnUp(Mesh& mesh, SignedAxis up)
 {
 	const std::vector<uint32_t> component = componentOfTriangle(mesh, sortedEdges(mesh));
 	const std::vector<uint8_t> isOpen = trianglesOfOpenParts(mesh, component);
 	std::vector<double> net(mesh.triangles.size(), 0);
-	double sum = 0, total = 0, area = 0;
+	double total = 0, area = 0;
 	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
 	{
 		if (!isOpen[i]) continue;
@@ -64,12 +75,12 @@ Facing turnUp(Mesh& mesh, SignedAxis up)
 		total += std::fabs(across);
 		area += norm(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]));
 	}
+	double upwards = 0, downwards = 0;
+	for (const double n : net) (n < 0 ? downwards : upwards) += std::fabs(n);
+	const bool isDown = downwards > upwards;
 	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-	{
-		sum += std::fabs(net[i]);
-		if (net[component[i]] < 0) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
-	}
-	return total > 0 ? Facing{sum / total, total / area} : Facing();
+		if (isDown && isOpen[i]) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+	return total > 0 ? Facing{(upwards + downwards) / total, total / area, std::min(upwards, downwards) / total, isDown} : Facing();
 }
 
 void addBottomAndWalls(Mesh& mesh, const GroundClosing& ground, const std::vector<EdgeUse>& edges)
@@ -101,6 +112,33 @@ void addBottomAndWalls(Mesh& mesh, const GroundClosing& ground, const std::vecto
 		for (; balance < 0; ++balance) wall(use->high, use->low);
 	});
 }
+
+std::string percent(double share) { return number(std::round(100 * share)) + " %"; }
+
+std::optional<Error> whyUnusable(const GroundClosing& ground)
+{
+	if (!(ground.depth > 0) || !std::isfinite(ground.depth))
+		return Error{"the depth to which ground is closed must be a positive number of metres, not " + number(ground.depth)};
+	const auto [axis, sign] = ground.up;
+	if (axis < 0 || axis > 2 || (sign != 1 && sign != -1))
+		return Error{"the axis along which ground faces up must be 0, 1 or 2 with the sign 1 or -1, not " + std::to_string(axis) +
+			" with " + std::to_string(sign)};
+	return std::nullopt;
+}
+
+std::optional<Error> whyNotGround(const Mesh& mesh, const Facing& facing, SignedAxis up)
+{
+	if (!(facing.up >= kFacesUp && facing.flat >= kNotWalls))
+	{
+		const std::optional<SignedAxis> other = facingOfGround(mesh);
+		return Error{"the open surface does not face " + axisName(up) + ", so that it cannot be closed downwards from there" +
+			(other ? "; it faces " + axisName(*other) + ": name that axis as up" : "; give the mesh an inside in a modelling program")};
+	}
+	if (facing.against > kMostAgainst)
+		return Error{"parts with " + percent(facing.against) + " of the open surface's area face against " + axisName(up) +
+			", as ceilings do, and closing them downwards would fill the room below; turn them if they are ground, or give them thickness"};
+	return std::nullopt;
+}
 }  // namespace
 
 std::string groundText(const GroundClosing& ground)
@@ -125,29 +163,29 @@ std::optional<GroundClosing> groundFromText(std::string_view text)
 	return ground;
 }
 
-std::optional<Error> closeDownwards(Mesh& mesh, const GroundClosing& ground)
+Result<bool> closeDownwards(Mesh& mesh, const GroundClosing& ground)
 {
-	if (!(ground.depth > 0) || !std::isfinite(ground.depth))
-		return Error{"the depth to which ground is closed must be a positive number of metres, not " + number(ground.depth)};
+	if (const auto error = whyUnusable(ground)) return *error;
 	if (verticesOfOpenEdges(mesh).empty())
 		return Error{"no edge of the mesh is open, so that there is nothing to close downwards; use the automatic repair"};
-	const std::optional<SignedAxis> facing = facingOfGround(mesh);
-	if (const Facing up = turnUp(mesh, ground.up); !(up.up >= kFacesUp && up.flat >= kNotWalls))
-		return Error{"the open surface does not face " + axisName(ground.up) + ", so that it cannot be closed downwards from there" +
-			(facing ? "; it faces " + axisName(*facing) + ": name that axis as up" : "; give the mesh an inside in a modelling program")};
+	const Facing facing = turnUp(mesh, ground.up);
+	if (const auto error = whyNotGround(mesh, facing, ground.up)) return *error;
 	// Only parts with open edges get a bottom: the others are bodies that lie on the ground or in it.
 	const std::vector<uint8_t> isOpen = trianglesOfOpenParts(mesh, componentOfTriangle(mesh, sortedEdges(mesh)));
 	Mesh open{mesh.vertices, {}, mesh.rounding}, closed = open;
 	for (std::size_t i = 0; i < isOpen.size(); ++i) (isOpen[i] ? open : closed).triangles.push_back(mesh.triangles[i]);
 	open = withoutUnusedVertices(open);
 	addBottomAndWalls(open, ground, sortedEdges(open));
+	if (const double twice = miscountedShare(open, kLines); twice > kMostTwice && !std::isinf(twice))
+		return Error{"parts of the open surface lie over one another, so that closing them downwards fills " + percent(twice) +
+			" of the volume twice; join them to one surface, or give the upper ones a lower side"};
 	const auto first = static_cast<uint32_t>(open.vertices.size());
 	closed = withoutUnusedVertices(closed);
 	open.vertices.insert(open.vertices.end(), closed.vertices.begin(), closed.vertices.end());
 	for (const Triangle& t : closed.triangles) open.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
 	mesh.vertices = std::move(open.vertices);
 	mesh.triangles = std::move(open.triangles);
-	return std::nullopt;
+	return facing.wasTurned;
 }
 
 std::optional<SignedAxis> facingOfGround(const Mesh& mesh)
@@ -158,7 +196,8 @@ std::optional<SignedAxis> facingOfGround(const Mesh& mesh)
 	for (const int axis : {1, 2, 0})
 	{
 		Mesh up = oriented;
-		if (const Facing faces = turnUp(up, {axis, 1}); faces.up >= kIsGround && faces.flat >= kMostlyFlat) return SignedAxis{axis, 1};
+		const Facing faces = turnUp(up, {axis, 1});
+		if (faces.up >= kIsGround && faces.flat >= kMostlyFlat && faces.against <= kMostAgainst) return SignedAxis{axis, 1};
 	}
 	return std::nullopt;
 }

@@ -24,10 +24,12 @@ std::string groundText(const GroundClosing& ground);
 std::optional<GroundClosing> groundFromText(std::string_view text);
 
 /// Closes a surface downwards: open edges get vertical walls, and a flat copy of the surface is the bottom. Connected parts with open edges
-/// that face down are turned first. The volume is the integral of the height above the bottom over the surface's projection
-/// where it faces up, less that where it faces down. Air under overhangs stays outside, and holes become shafts. `mesh`: welded, oriented
-/// consistently. O(n log n). Errors: the depth is not a positive number, no edge is open, or the open parts do not face up.
-std::optional<Error> closeDownwards(Mesh& mesh, const GroundClosing& ground);
+/// are turned first if most of their area faces down. The result is whether they were turned. The volume is the integral of the height
+/// above the bottom over the surface's projection where it faces up, less that where it faces down. Air under overhangs stays outside, and
+/// holes become shafts. `mesh`: welded, oriented consistently. O(n log n). Errors: the depth is not a positive number, the axis is none, no
+/// edge is open, the open parts do not face up, some face the other way, as ceilings do, or some lie over one another and would be filled
+/// twice. After an error the mesh is unspecified.
+Result<bool> closeDownwards(Mesh& mesh, const GroundClosing& ground);
 
 /// The axis along which an open mesh faces one way nearly everywhere, as ground does; the other way round it may face down. The first of
 /// y, z and x. Empty for other meshes.

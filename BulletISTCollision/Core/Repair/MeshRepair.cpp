@@ -298,7 +298,9 @@ Result<Attempt> closeGround(const Mesh& welded, const GroundClosing& ground)
 {
 	Attempt attempt = cleaned(welded, OppositePairs::KeepOne);
 	const int64_t open = attempt.state.openEdges;
-	if (auto error = closeDownwards(attempt.mesh, ground)) return *std::move(error);
+	const Result<bool> turned = closeDownwards(attempt.mesh, ground);
+	if (!turned) return turned.error();
+	if (turned.value()) attempt.actions.push_back("Turned the open surface, which faced down.");
 	attempt.actions.push_back("Closed the surface downwards from " + counted(open, "open edge", "open edges") + ", to a bottom " +
 		number(ground.depth) + " m below its lowest point.");
 	attempt.state = closedness(attempt.mesh);
@@ -548,7 +550,7 @@ Result<RepairedMesh> repair(const Mesh& mesh, RepairMode mode, const Progress& p
 					? "use the automatic repair"
 					: "rebuild it on a grid (RepairMode::Wrap), which takes what it surrounds for the body, or close it in a "
 					  "modelling program and export it again") +
-				groundAdvice(welded));
+				(mode == RepairMode::Ground ? "" : groundAdvice(welded)));
 	if (mode == RepairMode::Auto || mode == RepairMode::Ground)
 		if (const auto error = settleCuts(attempt, welded, result.cuts, steps, threads)) return *error;
 	if (!steps.goesOn()) return cancelled;

@@ -10,9 +10,11 @@
 #include "demos/scenes/Grasp/Unwrap.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <optional>
+#include <utility>
 
 using namespace ist;
 
@@ -116,6 +118,22 @@ struct Grip
 	double height = 0;                  ///< above the foot [m]
 	double low = 1e300, high = -1e300;  ///< extent along z of the section at that height, within a hand's breadth of the middle [m]
 	double width() const { return std::max(high - low, 0.0); }
+
+	/// Extends it by the part of a segment that lies within a hand's breadth of x = 0.
+	void reach(Vec3 a, Vec3 b)
+	{
+		if (a.x > b.x) std::swap(a, b);
+		constexpr double kAside = kHandBreadth / 2;
+		if (a.x > kAside || b.x < -kAside) return;
+		const double along = b.x - a.x;
+		for (const double share :
+			{along > 0 ? std::max((-kAside - a.x) / along, 0.0) : 0, along > 0 ? std::min((kAside - a.x) / along, 1.0) : 1})
+		{
+			const double z = a.z + share * (b.z - a.z);
+			low = std::min(low, z);
+			high = std::max(high, z);
+		}
+	}
 };
 Grip gripOf(const Mesh& mesh)
 {
@@ -124,18 +142,17 @@ Grip gripOf(const Mesh& mesh)
 	grip.foot = {middle.x, bounds(mesh).lower.y, middle.z};
 	grip.height = std::max(middle.y - grip.foot.y, kLowestGrip);
 	const double y = grip.foot.y + grip.height;
-	const auto reach = [&](const Vec3& p) {
-		grip.low = std::min(grip.low, p.z);
-		grip.high = std::max(grip.high, p.z);
-	};
 	for (const auto& t : mesh.triangles)
+	{
+		std::array<Vec3, 2> ends;
+		size_t count = 0;
 		for (size_t c = 0; c < 3; ++c)
 		{
 			const Vec3 &a = mesh.vertices[t[c]], &b = mesh.vertices[t[(c + 1) % 3]];
-			if ((a.y > y) == (b.y > y)) continue;
-			const Vec3 p = a + (y - a.y) / (b.y - a.y) * (b - a);
-			if (std::fabs(p.x - middle.x) <= kHandBreadth / 2) reach(p);
+			if ((a.y > y) != (b.y > y)) ends[count++] = a + (y - a.y) / (b.y - a.y) * (b - a) - Vec3{middle.x, 0, 0};
 		}
+		if (count == 2) grip.reach(ends[0], ends[1]);
+	}
 	return grip;
 }
 

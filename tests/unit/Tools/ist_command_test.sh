@@ -176,7 +176,14 @@ for options in "--repair ground 0.5" "--repair=ground 0.5" "--up y,z --repair gr
 	holds "check after $options" 'r["ok"] is True and r["protruding"] == 0'
 done
 expect "build of ground along a wrong axis" 1 "$ist" build "$dir/hill.obj" -o "$dir/none.ist" --repair ground 1 --up x
-says "build of ground along a wrong axis" "does not face y, .*; it faces x: name that axis as up (--up)"
+says "build of ground along a wrong axis" "does not face y, .*; it faces x: name as up (--up) the axis of the file that became it"
+# An axis that --repair names is one of the turned mesh, and stays.
+expect "build of ground along a named axis" 0 "$ist" build "$dir/hill.obj" -o "$dir/hill.ist" --spheres 50 --repair "ground 0.5 x" --up y,x
+expect "build of ground along another axis" 1 "$ist" build "$dir/hill.obj" -o "$dir/none.ist" --repair "ground 0.5 z" --up y,x
+says "build of ground along another axis" "does not face z, .*; it faces x"
+# The volume of an open surface means nothing, and so does its change.
+expect "build --quiet of open ground" 0 "$ist" build "$dir/hill.obj" -o "$dir/hill.ist" --spheres 50 --repair "ground 0.5" --quiet
+says "build --quiet of open ground" "^ist: warning: .*/hill.obj: repaired: .*Closed the surface downwards"
 for depth in "" 0 -1 deep; do
 	expect "build --repair ground $depth" 2 "$ist" build "$dir/hill.obj" --repair ground $depth -o "$dir/none.ist"
 done

@@ -12,17 +12,17 @@ using namespace scenes;
 
 namespace
 {
-/// A box of 50 x 40 x 30, far from the origin, as a file with a place in a texture for each corner or without.
+/// A box of 50 x 40 x 30 or another length, far from the origin, as a file with a place in a texture for each corner or without.
 class BoxFile
 {
 public:
-	explicit BoxFile(bool places)
+	explicit BoxFile(bool places, int length = 50, int height = 40, int width = 30)
 		: m_path((std::filesystem::temp_directory_path() / ("crate" + std::to_string(std::random_device()()) + ".obj")).string())
 	{
 		std::ofstream out(m_path);
-		for (const int x : {100, 150})
-			for (const int y : {-70, -30})
-				for (const int z : {200, 230}) out << "v " << x << ' ' << y << ' ' << z << '\n';
+		for (const int x : {100, 100 + length})
+			for (const int y : {-70, -70 + height})
+				for (const int z : {200, 200 + width}) out << "v " << x << ' ' << y << ' ' << z << '\n';
 		if (places) out << "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
 		const int faces[6][4] = {{1, 2, 4, 3}, {5, 7, 8, 6}, {1, 5, 6, 2}, {3, 4, 8, 7}, {1, 3, 7, 5}, {2, 6, 8, 4}};
 		for (const auto& face : faces)
@@ -68,6 +68,16 @@ TEST(GraspObjects, AFileStandsOnTheTableAndIsGrippedInTheMiddle)
 	ASSERT_TRUE(plain) << plain.error().message;
 	EXPECT_TRUE(plain.value().texture.places.empty());
 	EXPECT_NEAR(bounds(plain.value().mesh).size().x, 0.1, 1e-6);
+}
+
+// The triangles of such a plate have no edge that crosses the height of the grip near the middle.
+TEST(GraspObjects, ALongPlateOfTwelveTrianglesHasItsWidthBetweenTheEdges)
+{
+	const BoxFile file(false, 200, 18, 60);
+	const auto loaded = loadGraspObject(file.path(), {0.001, {}, 0});
+	ASSERT_TRUE(loaded) << loaded.error().message;
+	EXPECT_NEAR(loaded.value().width, 0.06, 1e-6);
+	EXPECT_NEAR(loaded.value().gripZ, 0, 1e-6);
 }
 
 // With z up, the box of 50 x 40 x 30 stands 30 high, and is 40 wide where the hand grips it. Its texture turns with it.

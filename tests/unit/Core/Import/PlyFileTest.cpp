@@ -218,6 +218,20 @@ TEST(PlyFile, TextureCoordinatesAreThoseOfVerticesOrOfFaces)
 	EXPECT_TRUE(std::isnan(readPly(few).value().textured.places[0][2].u));
 }
 
+TEST(PlyFile, AFaceWithoutTextureCoordinatesDoesNotGetThoseOfTheNext)
+{
+	const std::string two = replaced(
+		replaced(kWhole, "vertex_indices\n", "vertex_indices\nproperty list uchar float texcoord\n"), "face 1", "face 3");
+	const auto places =
+		readPly(replaced(two, "3 0 1 2", "3 0 1 2 0\n3 0 1 2 3 0.125 0.5 0.75\n3 0 1 2 6 0 0.5 1 0 0.25 1")).value().textured.places;
+	ASSERT_EQ(places.size(), 3u);
+	for (const TexturePlace& place : places[0]) EXPECT_TRUE(std::isnan(place.u) && std::isnan(place.v)) << place.u << ' ' << place.v;
+	EXPECT_EQ(places[1][0].u, 0.125);
+	EXPECT_TRUE(std::isnan(places[1][1].u) && std::isnan(places[1][2].u));
+	EXPECT_EQ(places[2][0].v, 0.5);
+	EXPECT_EQ(places[2][2].u, 0.25);
+}
+
 TEST(PlyFile, WhatIsDamagedIsRefusedWithItsPlace)
 {
 	EXPECT_NE(refusal("").find("header has no end"), std::string::npos);
@@ -230,7 +244,8 @@ TEST(PlyFile, WhatIsDamagedIsRefusedWithItsPlace)
 	EXPECT_NE(refusal(replaced(kWhole, "face 1", "face 2")).find("cut short, in element 2 of the 2 \"face\""), std::string::npos)
 		<< refusal(replaced(kWhole, "face 1", "face 2"));
 	EXPECT_NE(refusal(replaced(kWhole, "1 0 0 0", "1 0,x 0 0")).find("\"0,x\" is no number"), std::string::npos);
-	EXPECT_NE(refusal(replaced(kWhole, "3 0 1 2", "-3 0 1 2")).find("\"face\""), std::string::npos);
+	const std::string negative = refusal(replaced(kWhole, "3 0 1 2", "-3 0 1 2"));
+	EXPECT_EQ(negative.find("a list in it has -3 items, in element 1 of the 1 \"face\""), 0u) << negative;
 	EXPECT_NE(refusal(replaced(kWhole, "3 0 1 2", "1e9 0 1 2")).find("\"face\""), std::string::npos);
 	EXPECT_NE(refusal(replaced(kWhole, "3 0 1 2", "3 0 1 3")).find("1 of its 1 face"), std::string::npos);
 	EXPECT_NE(refusal(replaced(kWhole, "3 0 1 2", "3 0 1 1.5")).find("1 of its 1 face"), std::string::npos);
@@ -251,6 +266,10 @@ TEST(PlyFile, BytesBehindTheElementsAreLeftOutAndTold)
 	ASSERT_EQ(read.value().textured.mesh.notTaken.size(), 1u);
 	EXPECT_EQ(read.value().textured.mesh.notTaken[0].find("3 bytes behind the elements"), 0u);
 	EXPECT_TRUE(readPly(whole + "\n").value().textured.mesh.notTaken.empty());
+	const auto text = readPly(kWhole + "3 0 1 2\n").value().textured.mesh.notTaken;
+	ASSERT_EQ(text.size(), 1u);
+	EXPECT_EQ(text[0].find("7 bytes behind the elements"), 0u) << text[0];
+	EXPECT_TRUE(readPly(kWhole + " \n\n").value().textured.mesh.notTaken.empty());
 }
 
 TEST(PlyFile, AHeaderMayEndItsLinesInAnyWay)
@@ -276,6 +295,25 @@ TEST(PlyFile, AHeaderMayEndItsLinesInAnyWay)
 TEST(PlyFile, CancellingEndsTheReading)
 {
 	const Result<PlySurface> read = readPly(kWhole, [](double) { return false; });
+	ASSERT_FALSE(read);
+	EXPECT_TRUE(read.error().cancelled);
+}
+
+// Once the bytes are read, concave faces of many corners are divided, which may take long.
+TEST(PlyFile, TheDivisionOfLargeFacesIsCancelled)
+{
+	constexpr int kCorners = 600;
+	std::string star = "ply\nformat ascii 1.0\nelement vertex 600\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+					   "property list int int vertex_indices\nend_header\n";
+	for (int i = 0; i < kCorners; ++i)
+		star += std::to_string((1 + i % 2) * std::cos(i * 0.0104719755)) + ' ' + std::to_string((1 + i % 2) * std::sin(i * 0.0104719755)) +
+			" 0\n";
+	star += std::to_string(kCorners);
+	for (int i = 0; i < kCorners; ++i) star += ' ' + std::to_string(i);
+	const Result<PlySurface> whole = readPly(star, [](double) { return true; });
+	ASSERT_TRUE(whole) << whole.error().message;
+	EXPECT_EQ(whole.value().textured.mesh.triangles.size(), size_t(kCorners - 2));
+	const Result<PlySurface> read = readPly(star, [](double share) { return share < 1; });
 	ASSERT_FALSE(read);
 	EXPECT_TRUE(read.error().cancelled);
 }

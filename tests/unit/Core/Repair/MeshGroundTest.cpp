@@ -131,6 +131,47 @@ TEST(MeshGround, TilesAreWeldedAndTurned)
 	EXPECT_EQ(inspect(ground.value().mesh).components, 1);
 }
 
+TEST(MeshGround, ASurfaceThatFacesDownIsTurnedAndTheReportSaysSo)
+{
+	const auto saysTurned = [](const Mesh& mesh) {
+		const Result<RepairedMesh> ground = closed(mesh, 1);
+		EXPECT_TRUE(ground) << ground.error().message;
+		const std::vector<std::string>& actions = ground.value().actions;
+		return std::count(actions.begin(), actions.end(), "Turned the open surface, which faced down.");
+	};
+	const Mesh mesh = terrain(randomHeights(10));
+	EXPECT_EQ(saysTurned(insideOut(mesh)), 1);
+	EXPECT_EQ(saysTurned(mesh), 0);
+}
+
+// A floor and a ceiling of equal or of other size would be filled up to the ceiling.
+TEST(MeshGround, AFloorUnderACeilingIsRefused)
+{
+	const Heights flat((kCells + 1) * (kCells + 1), 0.0);
+	const Mesh floor = terrain(flat);
+	const Mesh wide = translated(insideOut(floor), {0, 3, 0});
+	const Mesh narrow = translated(insideOut(terrain(flat, [](int i, int j) { return i > 2 || j > 2; })), {0, 3, 0});
+	for (const Mesh& ceiling : {wide, narrow})
+	{
+		expectRefusedGround(joined(floor, ceiling), 1, {1, 1}, "face against y, as ceilings do");
+		EXPECT_EQ(groundAdvice(joined(floor, ceiling)), "");
+	}
+}
+
+// A platform over terrain: the ground under it would be filled twice. A rock that is half in the ground is not refused.
+TEST(MeshGround, PartsOverOneAnotherAreRefused)
+{
+	const Heights flat((kCells + 1) * (kCells + 1), 0.0);
+	const Mesh floor = terrain(flat);
+	const Mesh platform = translated(terrain(flat, [](int i, int j) { return i > 2 || j > 2; }), {0, 1, 0});
+	expectRefusedGround(joined(floor, platform), 2, {1, 1}, "parts of the open surface lie over one another");
+	// 1.5 m x 1.5 m x 2 m of (6 m x 6 m x 2 m + 1.5 m x 1.5 m x 1 m)
+	expectRefusedGround(joined(floor, platform), 2, {1, 1}, "fills 6 % of the volume twice");
+	const Mesh rock = translated(makeBoxMesh({2, 2, 2}), {1, 0, 10});
+	const Result<RepairedMesh> ground = closed(joined(floor, rock), 2);
+	EXPECT_TRUE(ground) << ground.error().message;
+}
+
 TEST(MeshGround, BodiesOnTheGroundKeepTheirPlace)
 {
 	const Heights heights(randomHeights(9).size(), 0.0);
@@ -169,6 +210,8 @@ TEST(MeshGround, WhatCannotBeClosedDownwardsIsRefusedWithTheReason)
 	expectRefusedGround(kBox, 1, {}, "no edge of the mesh is open");
 	expectRefusedGround(mesh, 0, {}, "depth");
 	expectRefusedGround(mesh, -1, {}, "depth");
+	for (const SignedAxis none : {SignedAxis{3, 1}, SignedAxis{-1, 1}, SignedAxis{1, 0}, SignedAxis{1, 2}})
+		expectRefusedGround(mesh, 1, none, "the axis along which ground faces up must be 0, 1 or 2 with the sign 1 or -1");
 	expectRefusedGround(mesh, std::numeric_limits<double>::infinity(), {}, "depth");
 	expectRefusedGround(turnedUp(mesh, {1, 1}, {2, 1}), 1, {1, 1}, "it faces z");
 	Mesh tube = kBox;
