@@ -124,6 +124,7 @@ CHAIN = [
     ("tests/unit/DeviceBridge/Decorators", [CORE, "DeviceBridge", "tests/unit/*.h"]),
     ("tests/unit/DeviceBridge/Safety", [CORE, "DeviceBridge", "tests/unit/*.h"]),
     ("tests/unit/DeviceBridge/Loop", [CORE, "DeviceBridge", "tests/unit/*.h"]),
+    ("tests/unit/DeviceBridge/Tools", [CORE, "DeviceBridge", "tests/unit/*.h"]),
     ("tests/unit/DeviceBridge/Hand", [CORE, "DeviceBridge", "tests/unit/*.h"]),
     ("tests/unit/DeviceBridge/Hand/Grasp", [CORE, "DeviceBridge", "tests/unit/*.h", "tests/unit/DeviceBridge/Hand"]),
     ("tests/unit/DeviceBridge/Bullet", ALL + ["tests/unit/*.h", "tests/unit/DeviceBridge/Hand"]),
