@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Surface/ConvexRegion.h"
 
+#include "BulletISTCollision/Core/Surface/PolygonClip.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -58,17 +60,8 @@ void ConvexRegion::clip(const DepthNode& node, int side)
 	std::vector<Polygon> kept;
 	for (const Polygon& face : m_faces)
 	{
-		Polygon part;
-		for (size_t i = 0; i < face.size(); ++i)
-		{
-			const Vec3 &p = face[i], &q = face[(i + 1) % face.size()];
-			const double a = sign * node.beyond(p), b = sign * node.beyond(q);
-			if (a >= 0) part.push_back(p);
-			if ((a >= 0) == (b >= 0)) continue;
-			const Vec3 x = p + (a / (a - b)) * (q - p);
-			part.push_back(x);
-			section.push_back(x);
-		}
+		Polygon part = clippedPolygon(
+			face, [&](const Vec3& x) { return sign * node.beyond(x); }, [&](const Vec3& x) { section.push_back(x); });
 		if (!part.empty()) kept.push_back(std::move(part));
 	}
 	if (section.size() >= 3)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Surface/FlatFace.h"
 
+#include "BulletISTCollision/Core/Surface/PolygonClip.h"
+
 #include <algorithm>
 #include <limits>
 
@@ -146,20 +148,6 @@ double airAbove(const FacePolygon& hull, size_t i, const std::vector<SurfacePiec
 	}
 	return highest;
 }
-
-/// Keeps the part of a convex polygon on the side of a plane to which `up` points.
-FacePolygon above(const FacePolygon& polygon, const Vec3& point, const Vec3& up)
-{
-	FacePolygon kept;
-	for (size_t i = 0; i < polygon.size(); ++i)
-	{
-		const Vec3 &p = polygon[i], &q = polygon[(i + 1) % polygon.size()];
-		const double from = dot(up, p - point), to = dot(up, q - point);
-		if (from >= 0) kept.push_back(p);
-		if (from * to < 0) kept.push_back(p + (q - p) * (from / (from - to)));
-	}
-	return kept;
-}
 }  // namespace
 
 double areaOfPolygon(const FacePolygon& polygon)
@@ -196,7 +184,7 @@ FacePolygon faceWithin(const std::vector<SurfacePiece>& pieces, const SurfaceClu
 		const double air = airAbove(hull, i, pieces, cluster);
 		if (!(air > kSame * cluster.radius)) continue;
 		const Vec3 up = cross(cluster.frame.normal, normalized(hull[(i + 1) % hull.size()] - hull[i]));
-		polygon = above(polygon, hull[i] + up * air, up);
+		polygon = clippedPolygon(polygon, [&](const Vec3& x) { return dot(up, x - (hull[i] + up * air)); });
 	}
 	if (polygon.size() < 3) return {};
 	simplify(polygon, std::max(tolerance, kSame * cluster.radius));

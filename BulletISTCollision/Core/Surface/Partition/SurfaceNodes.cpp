@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Surface/Partition/SurfaceNodes.h"
 
+#include "BulletISTCollision/Core/Surface/PolygonClip.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -50,16 +52,7 @@ private:
 	/// The part where sign * beyond <= tolerance.
 	Polygon clipped(const Polygon& polygon, const DepthNode& node, double sign) const
 	{
-		Polygon kept;
-		kept.reserve(polygon.size() + 1);
-		for (size_t i = 0; i < polygon.size(); ++i)
-		{
-			const size_t j = i + 1 < polygon.size() ? i + 1 : 0;
-			const double a = sign * node.beyond(polygon[i]) - m_tolerance, b = sign * node.beyond(polygon[j]) - m_tolerance;
-			if (a <= 0) kept.push_back(polygon[i]);
-			if ((a <= 0) != (b <= 0)) kept.push_back(polygon[i] + (polygon[j] - polygon[i]) * (a / (a - b)));
-		}
-		return kept;
+		return clippedPolygon(polygon, [&](const Vec3& x) { return m_tolerance - sign * node.beyond(x); });
 	}
 
 	const std::vector<DepthNode>& m_nodes;
