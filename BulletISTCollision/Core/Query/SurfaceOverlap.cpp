@@ -165,22 +165,30 @@ struct PressedPlaces
 struct OverlapPart
 {
 	FaceVolume form;
-	double volume = 0, columns = 0, columnsOfA = 0, depth = 0;  ///< columnsOfA: those on faces of A
-	double flush = 0;       ///< area of faces that lie in the other surface: columns do not know their volume
-	double variance = 0;    ///< of the volume
-	Vec3 normalA, normalB;  ///< integrals of the normals [m^3]
+	double volume = 0, depth = 0;
+	double columnsOfA = 0, columnsOfB = 0;  ///< volumes of the columns on faces of A and of B
+	double flush = 0;                       ///< area of faces that lie in the other surface: columns do not know their volume
+	double variance = 0;                    ///< of the volume
+	Vec3 normalA, normalB;                  ///< integrals of the normals [m^3]
 	DepthIntegral depths;
 	bool hasCones = false;
 
+	double columns() const { return 0.5 * (columnsOfA + columnsOfB); }
 	/// Joins what the faces enclose with the columns between them. Columns are exact where the two surfaces lie along each other, and say
 	/// so: those of both bodies are equal then, and as large as the depth.
 	void joinColumns()
 	{
-		const double ofForm = kGapsErrAlike * form.inexactVariance(), ofB = columns + columns - columnsOfA;
-		const double off = 0.5 * std::fabs(ofB - columnsOfA) + std::fabs(0.5 * depth - columns) + flush * std::sqrt(form.area());
+		const double ofForm = kGapsErrAlike * form.inexactVariance();
+		const double off = 0.5 * std::fabs(columnsOfB - columnsOfA) + std::fabs(0.5 * depth - columns()) + flush * std::sqrt(form.area());
 		const double sum = ofForm + off * off, share = sum > 0 ? ofForm / sum : 0;
-		volume += share * (columns - volume);
+		volume = std::max({volume + share * (columns() - volume), kLeastOfColumns * columns(), 0.0});
 		variance = (1 - share) * (1 - share) * form.variance() + share * share * off * off;
+	}
+	/// On a foundation the columns on A's faces are the volume.
+	void takeColumnsOfA()
+	{
+		volume = std::max(columnsOfA, 0.0);
+		variance = form.variance();
 	}
 	/// Share of an integral of normals that is no larger than the volume, as no integral of unit normals can be. Where a contact is
 	/// shallower than the errors of a depth field, its volume is more exact.
@@ -414,9 +422,8 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 		else if (sign < 0) work.places[p].addColumn(face, damping);
 		OverlapPart& part = partOf(index);
 		part.volume += part.form.of(face);
-		part.columns += 0.5 * columnVolume(face);
+		(sign < 0 ? part.columnsOfA : part.columnsOfB) += columnVolume(face);
 		if (face.cut > face.area) part.flush += face.area;
-		if (sign < 0) part.columnsOfA += columnVolume(face);
 		part.depth += !onFoundation ? face.depth : sign < 0 ? columnVolume(face) : 0;
 		part.depths.addColumn(face, sign > 0);
 	});
@@ -426,8 +433,8 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	};
 	work.cones.clear(X_BA);
 	forParts([&](OverlapPart& part, uint32_t number) {
-		part.joinColumns();
-		part.volume = onFoundation ? std::max(part.columnsOfA, 0.0) : std::max({part.volume, kLeastOfColumns * part.columns, 0.0});
+		if (onFoundation) part.takeColumnsOfA();
+		else part.joinColumns();
 		part.hasCones = part.depths.needsCones(part.volume);
 		if (part.hasCones) part.depths.beginCones(part.form.centroid(), part.form.area(), number, work.cones);
 	});
