@@ -244,8 +244,8 @@ double carryLoad(btISTContact& contact, const btContactLoad& load, double h)
 		constants.rule = btISTStiffnessRule::Pressed;
 	};
 	const double former = contact.grown;
-	// At rest both are the same. In a contact that has just begun, or in the slivers of a fit, the area says little, but the depth shows
-	// that nothing presses.
+	// At rest the present depth asks for the same k. In a contact that has just begun, or in the slivers of a fit, the area says little,
+	// but the depth shows that nothing presses.
 	double pressed = norm(contact.pressed) / (area * constants.depth);
 	if (former > 0) pressed = std::min(pressed, former * ist::meanDepth(contact.total) / constants.depth);
 	// Bodies that begin inside one another may use the energy of a soft contact only.

@@ -26,7 +26,7 @@ constexpr double kFirstDepthPerSize = 1e-3;
 constexpr double kLeastDepthOfLeaves = 1e-3;
 constexpr double kWaterDensity = 1000;  // [kg/m^3]
 // Nothing leaves contact faster than 1 / dissipation. Where gravity has larger numbers, as in a world of centimetres, so have speeds.
-constexpr double kDissipation = 5, kGravityOfEarth = 9.81;  // [s/m], [m/s^2]
+constexpr double kGravityOfEarth = 9.81;  // [m/s^2]
 
 /// Mass of all links that can move, because any one of them may carry the others.
 double massOf(const btMultiBody& multiBody)
@@ -97,7 +97,7 @@ btISTPairConstants btISTDefaultPairRule::decide(
 	constants.depth = aimedDepth(contact, size);
 	const double first = std::max(constants.depth, kFirstDepthPerSize * depthScale(contact, size));
 	constants.gravity = std::max(gravityA, gravityB);
-	constants.dissipation = kDissipation * std::min(1.0, kGravityOfEarth / constants.gravity);
+	constants.dissipation *= std::min(1.0, kGravityOfEarth / constants.gravity);
 	constants.rule = btISTStiffnessRule::OwnLoad;
 	constants.k = load / (first * size * size);
 	if (contact.halfSpace)
