@@ -6,6 +6,7 @@
 #include "BulletISTCollision/Core/Import/MeshImport.h"
 #include "BulletISTCollision/Core/Mesh/LengthUnit.h"
 #include "BulletISTCollision/Core/Mesh/MeshAxes.h"
+#include "BulletISTCollision/Core/Repair/RepairChoice.h"
 #include "BulletISTCollision/Core/Tuning/ExpectedError.h"
 #include "BulletISTCollision/Python/MeshArguments.h"
 #include "BulletISTCollision/Python/OfflineWork.h"
@@ -31,20 +32,12 @@ namespace
 {
 using Tree = std::shared_ptr<InnerSphereTree>;
 
-RepairMode repairMode(const std::string& name)
+RepairChoice repairFrom(const std::string& text)
 {
-	if (name == "auto") return RepairMode::Auto;
-	if (name == "off") return RepairMode::Off;
-	if (name == "wrap") return RepairMode::Wrap;
-	if (name.starts_with("ground")) return RepairMode::Ground;
-	throw py::value_error("repair must be \"auto\", \"off\", \"wrap\" or like \"ground 2 y\", not \"" + name + "\"");
-}
-
-GroundClosing groundClosing(const std::string& text)
-{
-	const std::optional<GroundClosing> ground = groundFromText(text);
-	if (!ground) throw py::value_error("ground needs a depth in metres above 0, and may name the axis that points up: \"ground 2 z\"");
-	return *ground;
+	if (const auto choice = repairChoice(text)) return *choice;
+	if (text.starts_with("ground"))
+		throw py::value_error("ground needs a depth in metres above 0, and may name the axis that points up: \"ground 2 z\"");
+	throw py::value_error("repair must be \"auto\", \"off\", \"wrap\" or like \"ground 2 y\", not \"" + text + "\"");
 }
 
 Tree build(const Doubles& vertices, const py::object& triangles, int64_t spheres, double fill, double minRadius,
@@ -60,8 +53,9 @@ Tree build(const Doubles& vertices, const py::object& triangles, int64_t spheres
 	options.maxSpheres = spheres;
 	options.targetFill = fill;
 	options.minRadius = minRadius;
-	options.repair = repairMode(repair);
-	if (options.repair == RepairMode::Ground) options.ground = groundClosing(repair);
+	const RepairChoice choice = repairFrom(repair);
+	options.repair = choice.mode;
+	options.ground = choice.ground;
 	options.seed = seed;
 	options.surface = surface;
 	options.threads = threads;

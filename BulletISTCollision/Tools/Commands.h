@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include "BulletISTCollision/Core/Repair/MeshRepair.h"
+#include "BulletISTCollision/Core/Repair/RepairChoice.h"
 #include "BulletISTCollision/Core/Tuning/PairTuning.h"
 
 #include <cstdint>
@@ -94,15 +94,6 @@ int fail(const std::string& message, int code = kBadInput);
 
 /// The tree of an asset. The refusal of a file that may be a mesh says how to make a tree of it.
 Result<InnerSphereTree> loadTree(const std::string& path);
-
-/// How `--repair` or an asset says that a mesh is repaired.
-struct RepairChoice
-{
-	RepairMode mode = RepairMode::Auto;
-	GroundClosing ground;
-};
-/// Reads "auto", "off", "wrap" and groundText(). Empty optional for other texts.
-std::optional<RepairChoice> repairChoice(const std::string& text);
 
 /// Prints one line on stderr if a body is so large or small that its unit may be wrong.
 void askAboutSize(const std::string& path, double longestSide);

@@ -140,15 +140,6 @@ Result<InnerSphereTree> loadTree(const std::string& path)
 		std::filesystem::path(path).stem().string() + ".ist"};
 }
 
-std::optional<RepairChoice> repairChoice(const std::string& text)
-{
-	if (text == "auto") return RepairChoice{RepairMode::Auto, {}};
-	if (text == "off") return RepairChoice{RepairMode::Off, {}};
-	if (text == "wrap") return RepairChoice{RepairMode::Wrap, {}};
-	const std::optional<GroundClosing> ground = groundFromText(text);
-	return ground ? std::optional(RepairChoice{RepairMode::Ground, *ground}) : std::nullopt;
-}
-
 void askAboutSize(const std::string& path, double longestSide)
 {
 	// Larger or smaller things are rare; most are files in millimetres that were read as metres, or the reverse.

@@ -7,6 +7,7 @@
 #include "BulletISTCollision/Core/Leaves/Cells.h"
 #include "BulletISTCollision/Core/Mesh/FacetSagitta.h"
 #include "BulletISTCollision/Core/Packing/SpherePacker.h"
+#include "BulletISTCollision/Core/Repair/RepairChoice.h"
 #include "BulletISTCollision/Core/Tree/SurfaceResolution.h"
 
 #include <algorithm>
@@ -38,18 +39,6 @@ private:
 	double m_start = steadyMicroseconds();
 };
 
-/// The mode as InnerSphereTree::Provenance::repairMode has it.
-std::string modeName(const BuildOptions& options)
-{
-	switch (options.repair)
-	{
-	case RepairMode::Off: return "off";
-	case RepairMode::Wrap: return "wrap";
-	case RepairMode::Ground: return groundText(options.ground);
-	default: return "auto";
-	}
-}
-
 bool goesOn(const Progress& progress, const char* stage, double fraction) { return !progress || progress(stage, fraction); }
 
 Error cancelled() { return {"the build was cancelled", true}; }
@@ -61,7 +50,7 @@ void describe(InnerSphereTree& tree, const Mesh& source, const RepairedMesh& rep
 	p.unit = options.unit;
 	p.meshVolume = repaired.volumeBefore;
 	p.watertight = repaired.before.watertight;
-	p.repairMode = modeName(options);
+	p.repairMode = repairText({options.repair, options.ground});
 	p.repair = repaired.actions;
 	p.requestedSpheres = options.maxSpheres;
 	p.requestedFill = options.targetFill;

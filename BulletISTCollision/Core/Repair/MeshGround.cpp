@@ -37,16 +37,22 @@ double projected(const Mesh& mesh, const Triangle& t, SignedAxis axis)
 	return axis.sign * cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a)[axis.axis];
 }
 
-/// For each triangle, whether the connected part that it belongs to has an open edge.
-std::vector<uint8_t> trianglesOfOpenParts(const Mesh& mesh, const std::vector<uint32_t>& component)
+/// The connected parts of a surface that have an open edge. Turning triangles changes nothing of it.
+struct OpenParts
 {
-	std::vector<uint8_t> isOpen(mesh.triangles.size(), 0);
-	forEachEdge(sortedEdges(mesh), [&](const EdgeUse* use, std::size_t count) {
-		if (count == 1) isOpen[component[use->triangle]] = 1;
-	});
-	for (std::size_t i = 0; i < isOpen.size(); ++i) isOpen[i] = isOpen[component[i]];
-	return isOpen;
-}
+	std::vector<uint32_t> component;  ///< of each triangle
+	std::vector<uint8_t> isOpen;      ///< for each triangle, whether its part has an open edge
+
+	explicit OpenParts(const Mesh& mesh) : isOpen(mesh.triangles.size(), 0)
+	{
+		const std::vector<EdgeUse> edges = sortedEdges(mesh);
+		component = componentOfTriangle(mesh, edges);
+		forEachEdge(edges, [&](const EdgeUse* use, std::size_t count) {
+			if (count == 1) isOpen[component[use->triangle]] = 1;
+		});
+		for (std::size_t i = 0; i < isOpen.size(); ++i) isOpen[i] = isOpen[component[i]];
+	}
+};
 
 /// Which way the open parts of a surface face.
 struct Facing
@@ -54,34 +60,32 @@ struct Facing
 	/// Net areas of the parts over the sum of areas, both projected: 1 if each part faces up or down everywhere, 0 for surfaces that
 	/// enclose.
 	double up = 0;
-	double flat = 0;         ///< projected area over area: 1 for a plane across the axis, 0 for walls along it
-	double against = 0;      ///< net area of the parts that face the other way than most, over the sum of areas, both projected
-	bool wasTurned = false;  ///< whether most faced down
-};
+	double flat = 0;      ///< projected area over area: 1 for a plane across the axis, 0 for walls along it
+	double against = 0;   ///< net area of the parts that face the other way than most, over the sum of areas, both projected
+	bool isDown = false;  ///< whether most face down
 
-/// Turns the open parts if most of their area faces down.
-Facing turnUp(Mesh& mesh, SignedAxis up)
-{
-	const std::vector<uint32_t> component = componentOfTriangle(mesh, sortedEdges(mesh));
-	const std::vector<uint8_t> isOpen = trianglesOfOpenParts(mesh, component);
-	std::vector<double> net(mesh.triangles.size(), 0);
-	double total = 0, area = 0;
-	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+	Facing(const Mesh& mesh, const OpenParts& parts, SignedAxis axis)
 	{
-		if (!isOpen[i]) continue;
-		const Triangle& t = mesh.triangles[i];
-		const double across = projected(mesh, t, up);
-		net[component[i]] += across;
-		total += std::fabs(across);
-		area += norm(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]));
+		std::vector<double> net(mesh.triangles.size(), 0);
+		double total = 0, area = 0;
+		for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+		{
+			if (!parts.isOpen[i]) continue;
+			const Triangle& t = mesh.triangles[i];
+			const double across = projected(mesh, t, axis);
+			net[parts.component[i]] += across;
+			total += std::fabs(across);
+			area += norm(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]], mesh.vertices[t[2]] - mesh.vertices[t[0]]));
+		}
+		if (!(total > 0)) return;
+		double upwards = 0, downwards = 0;
+		for (const double n : net) (n < 0 ? downwards : upwards) += std::fabs(n);
+		up = (upwards + downwards) / total;
+		flat = total / area;
+		against = std::min(upwards, downwards) / total;
+		isDown = downwards > upwards;
 	}
-	double upwards = 0, downwards = 0;
-	for (const double n : net) (n < 0 ? downwards : upwards) += std::fabs(n);
-	const bool isDown = downwards > upwards;
-	for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-		if (isDown && isOpen[i]) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
-	return total > 0 ? Facing{(upwards + downwards) / total, total / area, std::min(upwards, downwards) / total, isDown} : Facing();
-}
+};
 
 void addBottomAndWalls(Mesh& mesh, const GroundClosing& ground, const std::vector<EdgeUse>& edges)
 {
@@ -168,12 +172,14 @@ Result<bool> closeDownwards(Mesh& mesh, const GroundClosing& ground)
 	if (const auto error = whyUnusable(ground)) return *error;
 	if (verticesOfOpenEdges(mesh).empty())
 		return Error{"no edge of the mesh is open, so that there is nothing to close downwards; use the automatic repair"};
-	const Facing facing = turnUp(mesh, ground.up);
+	const OpenParts parts(mesh);
+	const Facing facing(mesh, parts, ground.up);
 	if (const auto error = whyNotGround(mesh, facing, ground.up)) return *error;
 	// Only parts with open edges get a bottom: the others are bodies that lie on the ground or in it.
-	const std::vector<uint8_t> isOpen = trianglesOfOpenParts(mesh, componentOfTriangle(mesh, sortedEdges(mesh)));
 	Mesh open{mesh.vertices, {}, mesh.rounding}, closed = open;
-	for (std::size_t i = 0; i < isOpen.size(); ++i) (isOpen[i] ? open : closed).triangles.push_back(mesh.triangles[i]);
+	for (std::size_t i = 0; i < mesh.triangles.size(); ++i) (parts.isOpen[i] ? open : closed).triangles.push_back(mesh.triangles[i]);
+	for (Triangle& t : open.triangles)
+		if (facing.isDown) std::swap(t[1], t[2]);
 	open = withoutUnusedVertices(open);
 	addBottomAndWalls(open, ground, sortedEdges(open));
 	if (const double twice = miscountedShare(open, kLines); twice > kMostTwice && !std::isinf(twice))
@@ -185,7 +191,7 @@ Result<bool> closeDownwards(Mesh& mesh, const GroundClosing& ground)
 	for (const Triangle& t : closed.triangles) open.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
 	mesh.vertices = std::move(open.vertices);
 	mesh.triangles = std::move(open.triangles);
-	return facing.wasTurned;
+	return facing.isDown;
 }
 
 std::optional<SignedAxis> facingOfGround(const Mesh& mesh)
@@ -193,10 +199,10 @@ std::optional<SignedAxis> facingOfGround(const Mesh& mesh)
 	Mesh oriented = weldedEqual(mesh);
 	if (verticesOfOpenEdges(oriented).empty()) return std::nullopt;
 	orientConsistently(oriented);
+	const OpenParts parts(oriented);
 	for (const int axis : {1, 2, 0})
 	{
-		Mesh up = oriented;
-		const Facing faces = turnUp(up, {axis, 1});
+		const Facing faces(oriented, parts, {axis, 1});
 		if (faces.up >= kIsGround && faces.flat >= kMostlyFlat && faces.against <= kMostAgainst) return SignedAxis{axis, 1};
 	}
 	return std::nullopt;

@@ -369,13 +369,11 @@ std::optional<Error> wrapOpen(Attempt& attempt, const Mesh& welded, Steps& steps
 	Attempt rebuilt = prepareToWrap(welded);
 	const Error open = notClosed(rebuilt.mesh, rebuilt.state,
 		"what is missing may be as much as the body; rebuild it on a grid (RepairMode::Wrap), which takes what it surrounds for the body, "
-		"or "
-		"close it in a modelling program and export it again" +
-			groundAdvice(welded));
+		"or close it in a modelling program and export it again");
 	rebuilt.actions.push_back("Left " + counted(attempt.holes, "hole", "holes") + " open: closing them would have taken the body apart.");
 	rebuilt.doubt += ambiguousVolume(rebuilt.mesh, kProbes);
 	if (auto error = wrap(rebuilt, steps.upTo(0.95), threads)) return error;
-	if (rebuilt.doubt > massProperties(rebuilt.mesh).volume) return open;
+	if (rebuilt.doubt > massProperties(rebuilt.mesh).volume) return Error{open.message + groundAdvice(welded)};
 	attempt = std::move(rebuilt);
 	return std::nullopt;
 }
