@@ -3,6 +3,7 @@
 
 #include "BulletHapticForce/Law/btContactLaw.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
+#include "DeviceBridge/Bullet/BulletContactImpulse.h"
 
 #include "BulletCollision/CollisionDispatch/btManifoldResult.h"
 #include "BulletDynamics/Dynamics/btDynamicsWorld.h"
@@ -197,24 +198,12 @@ ToolContact BulletContactSource::contactInW(const btISTContact& contact, double 
 {
 	const bool toolIsA = contact.bodyA == &m_tool;
 	const double sign = toolIsA ? 1 : -1;
-	const auto place = [&](const ist::OverlapIntegrals& sums) {
-		return contact.X_WA * (contact.treeA->origin + sums.firstMoment / sums.volume);
-	};
-
-	ist::Wrench impulse;
-	for (int i = 0; i < contact.patchCount; ++i)
-	{
-		if (!(contact.patches[i].volume > 0)) continue;
-		const ist::Wrench& onA = contact.impulses[i];
-		impulse.force += onA.force;
-		impulse.torque += onA.torque + cross(place(contact.patches[i]) - m_toolOrigin, onA.force);
-	}
-
+	const ist::Wrench impulse = impulseOnA(contact, m_toolOrigin);
 	ToolContact out;
 	const ist::Mat3& R_WB = m_X_WB.rotation;
 	const double rate = dt > 0 ? sign / dt : 0;
 	out.onTool = {R_WB * (rate * impulse.force), R_WB * (rate * impulse.torque)};
-	out.point = m_X_WB * place(contact.total);
+	out.point = m_X_WB * centroidInWorld(contact, contact.total);
 	out.normal = R_WB * (contact.X_WA.rotation * (sign * normalized(contact.total.areaVector)));
 	out.volume = contact.total.volume;
 	out.pairs = static_cast<int>(std::min<std::int64_t>(contact.total.pairs, std::numeric_limits<int>::max()));

@@ -2,6 +2,7 @@
 #include "DeviceBridge/Bullet/BulletHandSource.h"
 
 #include "BulletISTCollision/Registry/btISTConversion.h"
+#include "DeviceBridge/Bullet/BulletContactImpulse.h"
 
 #include <algorithm>
 #include <limits>
@@ -96,16 +97,11 @@ void BulletHandSource::collectContacts(double dt, ToolStep& step) const noexcept
 		ToolContact* out = contactWith(handIsA ? contact->bodyB : contact->bodyA, step);
 		if (!out) continue;
 		const double sign = handIsA ? 1 : -1, rate = dt > 0 ? sign / dt : 0;
-		for (int i = 0; i < contact->patchCount; ++i)
-		{
-			if (!(contact->patches[i].volume > 0)) continue;
-			const Vec3 place = contact->X_WA * (contact->treeA->origin + contact->patches[i].firstMoment / contact->patches[i].volume);
-			const Wrench& onA = contact->impulses[i];
-			out->onTool.force += R_WB * (rate * onA.force);
-			out->onTool.torque += R_WB * (rate * (onA.torque + cross(place - m_origin, onA.force)));
-		}
+		const Wrench impulse = impulseOnA(*contact, m_origin);
+		out->onTool.force += R_WB * (rate * impulse.force);
+		out->onTool.torque += R_WB * (rate * impulse.torque);
 		// The point is the centroid of the overlaps with this body, and the normal the mean of the parts' normals.
-		const Vec3 centroid = m_X_WB * (contact->X_WA * (contact->treeA->origin + contact->total.firstMoment / contact->total.volume));
+		const Vec3 centroid = m_X_WB * centroidInWorld(*contact, contact->total);
 		const Vec3 normal = R_WB * (contact->X_WA.rotation * (sign * normalized(contact->total.areaVector)));
 		const double volume = out->volume + contact->total.volume, share = volume > 0 ? contact->total.volume / volume : 1;
 		out->point += share * (centroid - out->point);

@@ -6,23 +6,13 @@
 
 #include "DeviceBridge/Loop/SteppingThread.h"
 #include "DeviceBridge/Loop/StopSignals.h"
+#include "DeviceBridge/Tools/WallWorld.h"
 
 namespace devicebridge::tools
 {
 namespace
 {
 constexpr double kRise = 1, kHold = 1, kFall = 0.5, kRest = 0.2;  // [s]
-
-/// A world without bodies. The tool is the handle.
-class EmptyWorld final : public ContactSource
-{
-public:
-	void advance(double, const DeviceState& hand, ToolStep& step) noexcept override
-	{
-		step.tool = {hand.X_WH, hand.twist};
-		step.coupling = {};
-	}
-};
 
 /// A device that states a smaller peak, so that every stage of the safety chain stays below it, and no torque.
 class WeakDevice final : public Device
@@ -69,7 +59,7 @@ double trialForce(const DeviceInfo& info) noexcept
 PushOutcome push(Device& device, Clock& clock, const ist::Vec3& direction, double force)
 {
 	PushOutcome out;
-	EmptyWorld world;
+	WallWorld world(0);
 	WeakDevice weak(device, force / device.info().scale);
 	SteppingThread thread(weak, world, clock);
 	const StopSignals stop(thread);
@@ -100,7 +90,7 @@ PushOutcome push(Device& device, Clock& clock, const ist::Vec3& direction, doubl
 LossOutcome waitForLoss(Device& device, Clock& clock, double longest)
 {
 	LossOutcome out;
-	EmptyWorld world;
+	WallWorld world(0);
 	SteppingThread thread(device, world, clock);
 	thread.enableForces(false);  // the over-speed brake acts without any contact
 	const StopSignals stop(thread);
