@@ -6,6 +6,7 @@
 #include "BulletISTCollision/Core/Mesh/Mesh.h"
 #include "BulletISTCollision/Json/JsonValue.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -177,6 +178,10 @@ struct Scene
 		for (const SceneHand& hand : hands)
 			if (!hand.parts && hand.tool == body) return true;
 		return false;
+	}
+	bool hasBody(const std::string& name) const
+	{
+		return std::any_of(bodies.begin(), bodies.end(), [&](const SceneBody& body) { return body.name == name; });
 	}
 };
 

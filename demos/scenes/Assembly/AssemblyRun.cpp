@@ -102,8 +102,7 @@ AssemblyTrial AssemblyJudge::finish(const SceneOutcome& run) const
 std::optional<Error> checkBodies(const Scene& scene, const std::string& file)
 {
 	for (const char* name : {"peg", "tube"})
-		if (std::none_of(scene.bodies.begin(), scene.bodies.end(), [name](const SceneBody& body) { return body.name == name; }))
-			return Error{file + ": no body is called " + name};
+		if (!scene.hasBody(name)) return Error{file + ": no body is called " + name};
 	return std::nullopt;
 }
 

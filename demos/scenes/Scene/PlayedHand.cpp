@@ -37,11 +37,13 @@ void apply(const SceneCoupling& wanted, CouplingGains& gains)
 	gains.softContact = wanted.softContact;
 }
 
-std::vector<HandKeyFrame> framesInW(const SceneHand& scene, const Pose& X_MP, const Pose& X_BW)
+/// Lets the hand of a simulated device follow the path of the file, which must have a frame.
+void followPath(const SceneHand& scene, const Pose& X_MP, const Pose& X_BW, SimulatedDevice& device)
 {
 	std::vector<HandKeyFrame> frames;
 	for (const SceneKeyFrame& frame : scene.path) frames.push_back({frame.time, inverse(X_BW) * frame.X_BM * X_MP});
-	return frames;
+	device.place(frames.front().pose);
+	device.setHand(handThrough(std::move(frames)));
 }
 
 void printAssumed(const std::string& assumed) { std::fprintf(stderr, "%s\n", assumed.c_str()); }
@@ -82,9 +84,7 @@ std::optional<Error> openWithOptions(const SceneHand& scene, const Pose& X_MP, P
 	while (auto* decorator = dynamic_cast<DeviceDecorator*>(innermost)) innermost = &decorator->inner();
 	auto* simulated = dynamic_cast<SimulatedDevice*>(innermost);
 	if (!simulated) return at(scene.devicePlace, "a simulated device with these options follows no path: " + scene.device);
-	std::vector<HandKeyFrame> frames = framesInW(scene, X_MP, hand.X_BW);
-	simulated->place(frames.front().pose);
-	simulated->setHand(handThrough(std::move(frames)));
+	followPath(scene, X_MP, hand.X_BW, *simulated);
 	hand.device = std::make_unique<TimedDevice>(std::make_unique<ScriptedButtons>(std::move(hand.device), scene.path));
 	hand.gains = gainsForDevice(hand.device->info(), kSceneTick, printAssumed);
 	return std::nullopt;
@@ -108,12 +108,7 @@ std::optional<Error> openDevice(const SceneHand& scene, const Pose& X_MP, Played
 	const Result<SimulatedProfile> profile = simulatedProfile(scene.device.substr(prefix.size()));
 	if (!profile) return at(scene.devicePlace, profile.error().message);
 	auto device = std::make_unique<SimulatedDevice>(profile.value());
-	if (!scene.path.empty())
-	{
-		std::vector<HandKeyFrame> frames = framesInW(scene, X_MP, hand.X_BW);
-		device->place(frames.front().pose);
-		device->setHand(handThrough(std::move(frames)));
-	}
+	if (!scene.path.empty()) followPath(scene, X_MP, hand.X_BW, *device);
 	device->open();
 	hand.gains = gainsForDevice(profile.value().info, kSceneTick, printAssumed);
 	hand.device = std::make_unique<TimedDevice>(std::make_unique<ScriptedButtons>(std::move(device), scene.path));

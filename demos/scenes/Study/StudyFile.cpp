@@ -137,11 +137,7 @@ private:
 		touched.insert(touched.end(), m_study.end.bodies.begin(), m_study.end.bodies.end());
 		if (!condition.answer.empty()) touched.push_back(condition.answer);
 		for (const std::string& name : touched)
-		{
-			const auto& bodies = condition.scene.bodies;
-			if (std::none_of(bodies.begin(), bodies.end(), [&](const SceneBody& body) { return body.name == name; }))
-				f.refuse("scene", "no body of " + condition.sceneFile + " is called " + name);
-		}
+			if (!condition.scene.hasBody(name)) f.refuse("scene", "no body of " + condition.sceneFile + " is called " + name);
 		if (!condition.answer.empty() &&
 			std::find(m_study.end.bodies.begin(), m_study.end.bodies.end(), condition.answer) == m_study.end.bodies.end())
 			f.refuse("answer", condition.answer + " is none of the bodies whose contact ends a trial");
