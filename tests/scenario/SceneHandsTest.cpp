@@ -2,6 +2,7 @@
 #include "DeviceBridge/Hand/HandMotion.h"
 #include "DeviceBridge/Hand/HandPosture.h"
 #include "demos/scenes/Scene/SceneReport.h"
+#include "tests/scenario/RunScene.h"
 
 #include <gtest/gtest.h>
 
@@ -18,21 +19,6 @@ using namespace scenes;
 namespace
 {
 constexpr double kHandStiffness = 300;  // hand stiffness of the sigma7 [N/m]
-
-SceneRunOptions options()
-{
-	SceneRunOptions o;
-	o.virtualTime = true;
-	o.build.cache = TREE_FOLDER;
-	return o;
-}
-
-Result<SceneOutcome> run(const std::string& text)
-{
-	const Result<Scene> read = parseScene("s.json", text, TREE_FOLDER);
-	if (!read) return read.error();
-	return runScene(read.value(), options());
-}
 
 std::string hand(const std::string& name, const std::string& tool, double x, double to)
 {
@@ -59,7 +45,7 @@ TEST(SceneHands, InEveryTopologyEachHandHoldsItsBallWhereForcesBalance)
 {
 	for (const char* topology : {"one-thread", "contact-in-tick", "contact-thread", "force-thread", "local-model"})
 	{
-		const Result<SceneOutcome> outcome = run(twoHands(topology, R"({"on": "collision", "do": "count"})"));
+		const Result<SceneOutcome> outcome = runText(twoHands(topology, R"({"on": "collision", "do": "count"})"));
 		ASSERT_TRUE(outcome) << outcome.error().message;
 		const SceneOutcome& o = outcome.value();
 		EXPECT_TRUE(o.ok());
@@ -88,7 +74,7 @@ TEST(SceneHands, InEveryTopologyEachHandHoldsItsBallWhereForcesBalance)
 TEST(SceneHands, ARecordingNamesTheHandAndAHookMayActForOne)
 {
 	const std::string folder = TREE_FOLDER;
-	const Result<SceneOutcome> outcome = run(twoHands("contact-in-tick", R"({"on": "transform", "do": "record", "file": "both.csv"},
+	const Result<SceneOutcome> outcome = runText(twoHands("contact-in-tick", R"({"on": "transform", "do": "record", "file": "both.csv"},
 		{"on": "haptic-tick", "do": "record", "file": "right.csv", "hand": "right"}, {"on": "collision", "do": "count", "hand": "left"},
 		{"on": "haptic-tick", "do": "force", "force": [0.6, 0, 0], "hand": "left"})"));
 	ASSERT_TRUE(outcome) << outcome.error().message;
@@ -123,7 +109,7 @@ TEST(SceneHands, ARecordingNamesTheHandAndAHookMayActForOne)
 
 TEST(SceneHands, ThePageAndTheJsonNameTheHands)
 {
-	const Result<SceneOutcome> outcome = run(twoHands("one-thread", R"({"on": "collision", "do": "count"})"));
+	const Result<SceneOutcome> outcome = runText(twoHands("one-thread", R"({"on": "collision", "do": "count"})"));
 	ASSERT_TRUE(outcome) << outcome.error().message;
 	const auto rows = summaryRows(outcome.value());
 	for (const char* name : {"left: Force on the hand, largest", "right: Force on the hand, largest", "left: Contact with floor, ticks"})
@@ -143,7 +129,7 @@ TEST(SceneHands, TwoHandsCarryACrate)
 		Scene shorter = scene.value();
 		shorter.duration = seconds;
 		std::unique_ptr<SceneWorld> world;
-		const Result<SceneOutcome> outcome = runScene(shorter, options(), &world);
+		const Result<SceneOutcome> outcome = runScene(shorter, virtualTimeOptions(), &world);
 		EXPECT_TRUE(outcome && outcome.value().ok());
 		EXPECT_EQ(outcome.value().faults.size(), 0u);
 		const btVector3 at = world->body(1).body->getWorldTransform().getOrigin();
@@ -159,7 +145,7 @@ TEST(SceneHands, ANameWithACommaIsOneCellOfARecording)
 {
 	std::string text = twoHands("contact-in-tick", R"({"on": "transform", "do": "record", "file": "comma.csv"})");
 	text.replace(text.find("\"left\""), 6, R"("left, \"mine\"")");
-	ASSERT_TRUE(run(text));
+	ASSERT_TRUE(runText(text));
 	std::ifstream in(std::string(TREE_FOLDER) + "/comma.csv");
 	std::string line;
 	std::getline(in, line);
@@ -179,7 +165,7 @@ TEST(SceneHands, ARecordedHandPressesWithSixteenParts)
 	}
 	ASSERT_FALSE(saveHandMotion(motion, std::string(TREE_FOLDER) + "/press.csv"));
 	const auto play = [](const std::string& pairs) {
-		return run(R"({"schema": 1, "duration": 0.9,
+		return runText(R"({"schema": 1, "duration": 0.9,
 			"materials": [{"name": "m", "density": 500, "stiffness": 2e7, "dissipation": 2, "friction": 0.8}],
 			"bodies": [{"name": "floor", "plane": {}, "material": "m"},
 				{"name": "crate", "box": [0.1, 0.03, 0.1], "material": "m", "position": [0, 0.03, 0]}],
@@ -212,7 +198,7 @@ TEST(SceneHands, ARecordedHandPressesWithSixteenParts)
 TEST(SceneHands, WhatCannotTrackAHandIsNamed)
 {
 	const auto refusal = [](const std::string& device) {
-		const auto outcome = run(R"({"schema": 1, "duration": 1, "bodies": [{"name": "floor", "plane": {}}],
+		const auto outcome = runText(R"({"schema": 1, "duration": 1, "bodies": [{"name": "floor", "plane": {}}],
 			"hand": {"device": ")" +
 			device + R"(", "parts": {"spheres": 60}}})");
 		return outcome ? "ran" : outcome.error().message;

@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "tests/scenario/RunScene.h"
 
 #include <gtest/gtest.h>
 
@@ -35,24 +36,9 @@ std::string scene(const std::string& topology, double from, double to, const std
 		(more.empty() ? "" : ", " + more) + "}";
 }
 
-SceneRunOptions options()
-{
-	SceneRunOptions o;
-	o.virtualTime = true;
-	o.build.cache = TREE_FOLDER;
-	return o;
-}
-
-Result<SceneOutcome> run(const std::string& text)
-{
-	const Result<Scene> read = parseScene("s.json", text, TREE_FOLDER);
-	if (!read) return read.error();
-	return runScene(read.value(), options());
-}
-
 std::string refusalOf(const std::string& text)
 {
-	const Result<SceneOutcome> outcome = run(text);
+	const Result<SceneOutcome> outcome = runText(text);
 	return outcome ? "ran" : outcome.error().message;
 }
 
@@ -65,7 +51,7 @@ TEST(SceneRun, EveryTopologyHoldsTheBallWhereForcesBalance)
 	const double from = 0.04, to = 0.012;
 	for (const char* topology : {"one-thread", "contact-in-tick", "contact-thread", "force-thread", "local-model"})
 	{
-		const Result<SceneOutcome> outcome = run(scene(topology, from, to, R"("hooks": [{"on": "collision", "do": "count"}])"));
+		const Result<SceneOutcome> outcome = runText(scene(topology, from, to, R"("hooks": [{"on": "collision", "do": "count"}])"));
 		ASSERT_TRUE(outcome) << outcome.error().message;
 		const SceneOutcome& o = outcome.value();
 		EXPECT_TRUE(o.ok());
@@ -91,7 +77,7 @@ TEST(SceneRun, ADeviceWithMotorsInAPlaneFeelsTheFloor)
 {
 	std::string text = scene("contact-in-tick", 0.04, 0.012);
 	text.replace(text.find("sim:sigma7"), 10, "sim:pantograph");
-	const Result<SceneOutcome> outcome = run(text);
+	const Result<SceneOutcome> outcome = runText(text);
 	ASSERT_TRUE(outcome) << outcome.error().message;
 	EXPECT_GT(outcome.value().hands[0].ticks.back().wrench.force.y, 0.5);
 	EXPECT_EQ(outcome.value().hands[0].ticks.back().wrench.force.z, 0);
@@ -101,7 +87,7 @@ TEST(SceneRun, ADeviceWithMotorsInAPlaneFeelsTheFloor)
 TEST(SceneRun, ABudgetOfPairsIsKeptInEveryTick)
 {
 	const auto most = [](const std::string& topology, const std::string& budget) {
-		const Result<SceneOutcome> outcome = run(R"({"schema": 1, "topology": ")" + topology + R"(", "duration": 0.5)" + budget + R"(,
+		const Result<SceneOutcome> outcome = runText(R"({"schema": 1, "topology": ")" + topology + R"(", "duration": 0.5)" + budget + R"(,
 			"assets": [{"name": "cube", "shape": "box", "halfExtents": [0.02, 0.02, 0.02], "spheres": 1000},
 				{"name": "base", "shape": "box", "halfExtents": [0.05, 0.02, 0.05], "spheres": 1000}],
 			"materials": [{"name": "m", "stiffness": 2e7, "dissipation": 3, "friction": 0.5}],
@@ -131,7 +117,7 @@ TEST(SceneRun, BodiesOutsideOfThePairsAreFeltWithOneThreadOnly)
 {
 	for (const char* topology : {"one-thread", "contact-in-tick"})
 	{
-		const Result<SceneOutcome> outcome = run(scene(topology, 0.04, 0.012, R"("pairs": [])"));
+		const Result<SceneOutcome> outcome = runText(scene(topology, 0.04, 0.012, R"("pairs": [])"));
 		ASSERT_TRUE(outcome) << outcome.error().message;
 		const double force = outcome.value().hands[0].ticks.back().wrench.force.y;
 		if (std::string(topology) == "one-thread") EXPECT_GT(force, 1);
@@ -143,7 +129,7 @@ TEST(SceneRun, HooksActInTheirOrder)
 {
 	// Far from the floor only the hand's spring acts against the hook's force, which the later hook halves.
 	const auto last = [](const std::string& hooks) {
-		const Result<SceneOutcome> outcome = run(scene("one-thread", 0.5, 0.5, "\"hooks\": [" + hooks + "]"));
+		const Result<SceneOutcome> outcome = runText(scene("one-thread", 0.5, 0.5, "\"hooks\": [" + hooks + "]"));
 		EXPECT_TRUE(outcome) << outcome.error().message;
 		return outcome.value().hands[0].ticks.back();
 	};
@@ -161,7 +147,7 @@ TEST(SceneRun, HooksActInTheirOrder)
 TEST(SceneRun, TheDampingHookResistsMotion)
 {
 	// The hand moves 0.06 m in a second of free space: 0.06 m/s at 20 N s/m. Inertia of the tool and coupling add nothing at rest.
-	const Result<SceneOutcome> outcome = run(
+	const Result<SceneOutcome> outcome = runText(
 		scene("one-thread", 0.5, 0.44, R"("hooks": [{"on": "haptic-tick", "do": "damping", "damping": 20}])"));
 	ASSERT_TRUE(outcome) << outcome.error().message;
 	const SceneTick& moving = outcome.value().hands[0].ticks[950];
@@ -174,7 +160,7 @@ TEST(SceneRun, TheDampingHookResistsMotion)
 
 TEST(SceneRun, AStopHookEndsTheRun)
 {
-	const Result<SceneOutcome> outcome = run(scene("contact-in-tick", 0.04, 0.012, R"("hooks": [{"on": "collision", "do": "stop"}])"));
+	const Result<SceneOutcome> outcome = runText(scene("contact-in-tick", 0.04, 0.012, R"("hooks": [{"on": "collision", "do": "stop"}])"));
 	ASSERT_TRUE(outcome) << outcome.error().message;
 	EXPECT_TRUE(outcome.value().stopped);
 	const std::vector<SceneTick>& ticks = outcome.value().hands[0].ticks;
@@ -186,7 +172,7 @@ TEST(SceneRun, ARecordingHasARowForEachTick)
 {
 	const std::string file = std::string(TREE_FOLDER) + "/scene-recording.csv";
 	std::filesystem::remove(file);
-	const Result<SceneOutcome> outcome = run(
+	const Result<SceneOutcome> outcome = runText(
 		scene("one-thread", 0.04, 0.012, R"("hooks": [{"on": "haptic-tick", "do": "record", "file": "scene-recording.csv"}])"));
 	ASSERT_TRUE(outcome) << outcome.error().message;
 	std::ifstream in(file);
@@ -200,7 +186,7 @@ TEST(SceneRun, ARecordingHasARowForEachTick)
 	EXPECT_NEAR(tool, 0.04 + hand, 0.01);
 	EXPECT_GT(tool, 0.012);
 	// The event of a new hand pose comes before tool and wrench of its tick are known.
-	ASSERT_TRUE(run(scene("one-thread", 0.5, 0.5, R"("hooks": [{"on": "transform", "do": "record", "file": "scene-recording.csv"}])")));
+	ASSERT_TRUE(runText(scene("one-thread", 0.5, 0.5, R"("hooks": [{"on": "transform", "do": "record", "file": "scene-recording.csv"}])")));
 	in.close(), in.clear(), in.open(file);
 	for (rows = -1; std::getline(in, line); ++rows) EXPECT_EQ(std::count(line.begin(), line.end(), ','), 7) << line;
 	EXPECT_EQ(rows, 2000);
@@ -214,7 +200,7 @@ TEST(SceneRun, ARecordingThatCannotBeWrittenLeavesTheOthersAndTheOutcome)
 	const std::string folder = TREE_FOLDER;
 	std::filesystem::create_directories(folder + "/taken.csv/by-a-folder");
 	std::filesystem::remove(folder + "/free.csv");
-	const Result<SceneOutcome> outcome = run(
+	const Result<SceneOutcome> outcome = runText(
 		scene("one-thread", 0.5, 0.5, R"("hooks": [{"on": "transform", "do": "record", "file": "taken.csv"},
 		{"on": "transform", "do": "record", "file": "free.csv"}])"));
 	ASSERT_TRUE(outcome) << outcome.error().message;
@@ -227,7 +213,7 @@ TEST(SceneRun, ARecordingThatCannotBeWrittenLeavesTheOthersAndTheOutcome)
 
 TEST(SceneRun, ARunThatWasCutShortHasFailed)
 {
-	Result<SceneOutcome> outcome = run(scene("one-thread", 0.5, 0.5));
+	Result<SceneOutcome> outcome = runText(scene("one-thread", 0.5, 0.5));
 	ASSERT_TRUE(outcome) << outcome.error().message;
 	SceneOutcome o = outcome.value();
 	EXPECT_TRUE(o.ok());
@@ -246,7 +232,7 @@ TEST(SceneRun, OnlyWatchedPairsAreFelt)
 	for (const char* pairs : {R"("pairs": [])", R"("pairs": [["ball", "floor"]])"})
 	{
 		const bool watched = std::string(pairs).find("ball") != std::string::npos;
-		const Result<SceneOutcome> outcome = run(scene("contact-in-tick", 0.04, 0.012, pairs));
+		const Result<SceneOutcome> outcome = runText(scene("contact-in-tick", 0.04, 0.012, pairs));
 		ASSERT_TRUE(outcome) << outcome.error().message;
 		EXPECT_EQ(outcome.value().hands[0].ticks.back().contacts, watched ? 1 : 0);
 		EXPECT_EQ(outcome.value().hands[0].ticks.back().volume > 0, watched);
@@ -259,7 +245,7 @@ TEST(SceneRun, TheCouplingOfTheFileIsTheOneThatActs)
 	std::string text = scene("one-thread", 0.04, -0.04);
 	const std::string tool = "\"tool\": \"ball\",";
 	text.replace(text.find(tool), tool.size(), tool + R"("coupling": {"maxForce": 1.25},)");
-	const Result<SceneOutcome> outcome = run(text);
+	const Result<SceneOutcome> outcome = runText(text);
 	ASSERT_TRUE(outcome) << outcome.error().message;
 	EXPECT_NEAR(outcome.value().hands[0].ticks.back().wrench.force.y, 1.25, 0.01);
 	EXPECT_LE(outcome.value().hands[0].maxForce, 1.25 * 1.001);
@@ -275,7 +261,7 @@ TEST(SceneRun, AStaticCouplingDoesNotSwing)
 			std::string text = scene(topology, 0.5, 0.4);
 			const std::string tool = "\"tool\": \"ball\",";
 			text.replace(text.find(tool), tool.size(), tool + R"("coupling": {"static": )" + (isStatic ? "true" : "false") + "},");
-			const Result<SceneOutcome> outcome = run(text);
+			const Result<SceneOutcome> outcome = runText(text);
 			ASSERT_TRUE(outcome) << outcome.error().message;
 			double most = 0;
 			for (size_t i = 500; i < 900; ++i) most = std::max(most, norm(outcome.value().hands[0].ticks[i].wrench.force));
@@ -324,7 +310,7 @@ TEST(SceneRun, WhatCannotBeMadeIsNamedWithItsLine)
 TEST(SceneRun, RunsInVirtualTimeAreAlike)
 {
 	const std::string text = scene("contact-thread", 0.04, 0.012);
-	const Result<SceneOutcome> one = run(text), two = run(text);
+	const Result<SceneOutcome> one = runText(text), two = runText(text);
 	ASSERT_TRUE(one && two);
 	for (size_t i = 0; i < one.value().hands[0].ticks.size(); ++i)
 	{
@@ -346,7 +332,7 @@ TEST(PaperFigures, EveryAnswerIsCountedAndAskedAgain)
 		std::ofstream(file) << what;
 		return std::vector<std::string>{file};
 	};
-	SceneRunOptions o = options();
+	SceneRunOptions o = virtualTimeOptions();
 	o.virtualTime = false;
 	const Result<std::vector<PaperScene>> figures = runPaperFigures(written(text), o);
 	ASSERT_TRUE(figures) << figures.error().message;

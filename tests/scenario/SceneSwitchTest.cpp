@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/scenes/Scene/SceneReport.h"
 #include "demos/scenes/Scene/SceneSwitches.h"
+#include "tests/scenario/RunScene.h"
 #include "tests/unit/CountingAllocator.h"
 
 #include <gtest/gtest.h>
@@ -18,14 +19,6 @@ using namespace scenes;
 namespace
 {
 constexpr double kRadius = 0.02;
-
-SceneRunOptions options()
-{
-	SceneRunOptions o;
-	o.virtualTime = true;
-	o.build.cache = TREE_FOLDER;
-	return o;
-}
 
 struct Choice
 {
@@ -51,7 +44,7 @@ Result<SceneOutcome> run(const std::string& topology, const std::string& hooks, 
 			hooks + "]" + choice.more + "}",
 		TREE_FOLDER);
 	if (!read) return read.error();
-	return runScene(read.value(), options());
+	return runScene(read.value(), virtualTimeOptions());
 }
 
 const SceneTick& at(const SceneOutcome& o, double seconds) { return o.hands[0].ticks.at(size_t(1000 * seconds)); }
@@ -163,7 +156,7 @@ TEST(SceneSwitch, SwitchingAllocatesNothing)
 {
 	const Result<Scene> scene = loadScene(std::string(SCENE_FOLDER) + "/switch.json");
 	ASSERT_TRUE(scene) << scene.error().message;
-	const Result<std::unique_ptr<SceneWorld>> world = SceneWorld::make(scene.value(), true, options().build);
+	const Result<std::unique_ptr<SceneWorld>> world = SceneWorld::make(scene.value(), true, virtualTimeOptions().build);
 	ASSERT_TRUE(world) << world.error().message;
 	std::list<PlayedHand> hands;
 	hands.emplace_back().scene = &scene.value().hands[0];
@@ -191,7 +184,7 @@ TEST(SceneSwitch, TheSceneOfFigureFiveSwitchesFrictionPairAndCoupling)
 {
 	const Result<Scene> scene = loadScene(std::string(SCENE_FOLDER) + "/switch.json");
 	ASSERT_TRUE(scene) << scene.error().message;
-	const Result<SceneOutcome> outcome = runScene(scene.value(), options());
+	const Result<SceneOutcome> outcome = runScene(scene.value(), virtualTimeOptions());
 	ASSERT_TRUE(outcome) << outcome.error().message;
 	const SceneOutcome& o = outcome.value();
 	EXPECT_TRUE(o.ok());

@@ -252,7 +252,7 @@ TEST(PlyFile, WhatIsDamagedIsRefusedWithItsPlace)
 	EXPECT_NE(refusal(replaced(kWhole, "format ascii", "f\x85rmat ascii")).find("\"f?rmat ascii 1.0\""), std::string::npos);
 	const std::string huge = replaced(kWhole, "vertex 3", "vertex 18446744073709551615");
 	EXPECT_NE(refusal(huge).find("that its header states"), std::string::npos) << refusal(huge);
-	// Of a second element of vertices nothing is taken.
+	// A second element of vertices is skipped.
 	const std::string twice = replaced(
 		replaced(kWhole, "element face", "element vertex 1\nproperty float x\nelement face"), "3 0 1 2", "9 3 0 1 2");
 	EXPECT_EQ(readPly(twice).value().textured.mesh.vertices.size(), 3u);

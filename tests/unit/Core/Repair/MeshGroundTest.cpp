@@ -118,7 +118,7 @@ TEST(MeshGround, AHoleBecomesAShaftDownToTheBottom)
 	expectGround(terrain(heights, hole), 1, {1, 1}, volumeAbove(heights, lowest(heights) - 1, hole));
 }
 
-// Of two tiles, one faces down, and their border is off by the rounding of single precision.
+// One of two tiles faces down, and their border is off by the rounding of single precision.
 TEST(MeshGround, TilesAreWeldedAndTurned)
 {
 	const Heights heights = randomHeights(8);

@@ -36,6 +36,26 @@ inline const auto& boxTree()
 	return tree;
 }
 
+constexpr ContactThreading kTopologies[] = {ContactThreading::InHapticThread, ContactThreading::OwnThread, ContactThreading::InWorldThread};
+
+inline const char* nameOf(ContactThreading t)
+{
+	return t == ContactThreading::InHapticThread ? "in the tick" : t == ContactThreading::OwnThread ? "in its own thread" : "in the world";
+}
+
+inline btTransform placed(double x, double y, double z, const btQuaternion& q = btQuaternion::getIdentity())
+{
+	return btTransform(q, bullet({x, y, z}));
+}
+
+/// What a hand says of a body that it does not feel; null if it feels it.
+inline const BulletUnfeltBody* findUnfelt(const BulletWorldCoupling& coupling, const btCollisionObject* body)
+{
+	for (const BulletUnfeltBody& unfelt : coupling.unfelt())
+		if (unfelt.body == body) return &unfelt;
+	return nullptr;
+}
+
 /// A hand whose motion the test prescribes.
 struct Hand
 {

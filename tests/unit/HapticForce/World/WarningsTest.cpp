@@ -176,6 +176,23 @@ TEST(Warnings, AShapeThatIsScaledLaterIsSaid)
 	EXPECT_EQ(scene.count(btISTWarning::Scaled), 0u);
 }
 
+/// An object in the world that is no body.
+class PlacedObject
+{
+public:
+	PlacedObject(Scene& scene, btCollisionShape& shape) : m_world(scene.world.bullet())
+	{
+		m_object.setCollisionShape(&shape);
+		m_object.setWorldTransform(btTransform::getIdentity());
+		m_world.addCollisionObject(&m_object);
+	}
+	~PlacedObject() { m_world.removeCollisionObject(&m_object); }
+
+private:
+	btDiscreteDynamicsWorld& m_world;
+	btCollisionObject m_object;
+};
+
 // The box of a btGImpactMeshShape is turned inside out until its updateBound is called.
 TEST(Warnings, AShapeWithoutABoxIsSaid)
 {
@@ -184,17 +201,13 @@ TEST(Warnings, AShapeWithoutABoxIsSaid)
 	triangles.addTriangle(btVector3(0, 0, 0), btVector3(1, 0, 0), btVector3(0, 1, 1));
 	btGImpactMeshShape shape(&triangles);
 	const btISTAttachment attached = scene.world.attach(&shape, cubeTree()).value();
-	btCollisionObject object;
-	object.setCollisionShape(&shape);
-	object.setWorldTransform(btTransform::getIdentity());
-	scene.world.bullet().addCollisionObject(&object);
+	const PlacedObject object(scene, shape);
 	scene.step();
 	EXPECT_EQ(scene.count(btISTWarning::NoBox), 1u);
 	EXPECT_EQ(scene.linesWith("updateBound"), 1);
 	shape.updateBound();
 	scene.step(64);
 	EXPECT_EQ(scene.count(btISTWarning::NoBox), 0u);
-	scene.world.bullet().removeCollisionObject(&object);
 }
 
 // A heightfield of equal heights has a flat box, with which the broad phase finds its pairs.
@@ -204,13 +217,9 @@ TEST(Warnings, AFlatBoxIsABox)
 	const float heights[4] = {0, 0, 0, 0};
 	btHeightfieldTerrainShape shape(2, 2, heights, btScalar(0), btScalar(0), 1, false);
 	const btISTAttachment attached = scene.world.attach(&shape, cubeTree()).value();
-	btCollisionObject object;
-	object.setCollisionShape(&shape);
-	object.setWorldTransform(btTransform::getIdentity());
-	scene.world.bullet().addCollisionObject(&object);
+	const PlacedObject object(scene, shape);
 	scene.step();
 	EXPECT_EQ(scene.count(btISTWarning::NoBox), 0u);
-	scene.world.bullet().removeCollisionObject(&object);
 }
 
 // A game that steps its world itself hears it too, and so does one that keeps a solver of its own.
