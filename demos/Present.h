@@ -24,7 +24,7 @@ template <class Outcome> void printOutcome(const DemoArguments& a, const Outcome
 			row[1].empty() ? std::puts(row[0].c_str()) : std::printf("%-44s %12s %s\n", row[0].c_str(), row[1].c_str(), row[2].c_str());
 }
 
-/// The same, and writes its report. Returns the exit code.
+/// Prints what a demo found, and writes its report. Returns the exit code.
 template <class Outcome> int present(const DemoArguments& a, const Outcome& outcome)
 {
 	printOutcome(a, outcome);

@@ -80,10 +80,10 @@ public:
 	/// Builds from the shape's own triangles (meshOfShape), which are copied before it returns. They include the shape's local scaling,
 	/// which must not change. Of a btHeightfieldTerrainShape it makes ground: attachGround(shape).
 	btISTPendingAttachment attach(const btCollisionShape* shape);
-	/// The same for open ground: a heightfield, or a static triangle mesh whose open surface faces `up` in the shape's frame. The tree's
-	/// body reaches from the surface down to a flat bottom `depth` [m] below the lowest vertex (ist::GroundClosing). A depth of 0 stands
-	/// for a tenth of the surface's longest side. A heightfield has its own axis, and `up` is ignored. The broad phase
-	/// knows the shape's own box only, so bodies wholly below it touch nothing.
+	/// Builds a body from open ground: a heightfield, or a static triangle mesh whose open surface faces `up` in the shape's frame. The
+	/// tree's body reaches from the surface down to a flat bottom `depth` [m] below the lowest vertex (ist::GroundClosing). A depth of 0
+	/// stands for a tenth of the surface's longest side. A heightfield has its own axis, and `up` is ignored. The broad phase knows the
+	/// shape's own box only, so bodies wholly below it touch nothing.
 	btISTPendingAttachment attachGround(const btCollisionShape* shape, double depth = 0, ist::SignedAxis up = {});
 	/// Loads an .ist file for a shape whose local scaling is 1.
 	btISTPendingAttachment attachAsset(const btCollisionShape* shape, const std::string& path);

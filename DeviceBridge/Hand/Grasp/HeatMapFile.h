@@ -33,7 +33,7 @@ HeatMapColour heatMapColour(const HeatMap& map, const HeatMap::Vertex& found, He
 std::optional<ist::Error> saveHeatMap(
 	const HeatMap& map, const std::string& path, HeatMapColours colours = HeatMapColours::Fingers, int part = -1);
 
-/// The same in the order of the mesh file that the map's mesh was made of. The file's vertices come first, in its order, each with the
+/// Writes a map in the order of the mesh file that its mesh was made of. The file's vertices come first, in its order, each with the
 /// values of the map's vertex at its place; a vertex of which repair left nothing is untouched. The map's other vertices follow, which
 /// repair and division added. If there are such, a last property `file_vertex` (int) has the index of each vertex in the file, and -1 for
 /// those. `file`: importVertices(), moved and scaled as the map's mesh was. Further error: none of them is a vertex of the map.
