@@ -18,8 +18,11 @@ constexpr double kPressedTime = 0.02;  // of the running mean of the normal forc
 // Most growth of k in a step by what presses, in e-folds: kGrowth (h / kTick)^2, at most one. A hand does not feel 1 % in its tick, and
 // the long steps of a game need it at once.
 constexpr double kGrowth = 0.01, kTick = 1e-3;
-constexpr double kDecay = 20;           // of a k that an impact has raised, e-folds a second
-constexpr double kSpare = 4;            // k may stay so many times stiffer than needed; a k that falls lets a body creep
+constexpr double kDecay = 20;  // of a k that an impact has raised, e-folds a second
+constexpr double kSpare = 4;   // k may stay so many times stiffer than needed; a k that falls lets a body creep
+// A contact is clamped if k has grown by this factor while the overlap has changed by less than this share, and twice so: the first time,
+// the bodies may have moved while k grew. k waits so long for an overlap that is slow [s].
+constexpr double kJudgedGrowth = 2, kClampedChange = 0.2, kJudgedTime = 0.1;
 constexpr double kDepthOfStep = 2e-3;   // share of the thinner body that the way of a step may take
 constexpr double kDepthOfImpact = 0.1;  // share of it that stopping a body may take in all
 constexpr double kRolledPerRadius = 2;  // shares of force times height that rolling by one friction radius leaves out of the stiffness
@@ -170,6 +173,20 @@ double stiffnessOfStop(const btISTContact& contact, const btContactLoad& load, d
 	return impact * h > inStep ? std::max(stops, load.mass * v / (h * area * inStep)) : stops;
 }
 
+/// Whether a larger k has pushed nothing out. A load that presses is lifted by it; what is held from elsewhere only presses more, and that
+/// would be taken for a load in turn.
+bool isClamped(btISTContact& contact, double h)
+{
+	btISTStiffnessGrowth& g = contact.growth;
+	const double volume = contact.total.volume;
+	if (!(g.k > 0) || std::fabs(volume - g.volume) > kClampedChange * g.volume) g = {contact.grown, volume};
+	if (!(contact.grown > kJudgedGrowth * g.k)) return false;
+	g.heldFor += h;
+	if (g.heldFor < kJudgedTime || g.isSecond) return true;
+	g = {contact.grown, volume, 0, true};
+	return false;
+}
+
 /// A stiffer contact stores more energy at the same depth. Damping must have taken it before, or the growth waits. What damping has taken
 /// may also push out a body that has sunk in within a step, before any force acted.
 void fillEnergyTank(btISTContact& contact, double former)
@@ -247,7 +264,12 @@ double carryLoad(btISTContact& contact, const btContactLoad& load, double h)
 	// At rest the present depth asks for the same k. In a contact that has just begun, or in the slivers of a fit, the area says little,
 	// but the depth shows that nothing presses.
 	double pressed = norm(contact.pressed) / (area * constants.depth);
-	if (former > 0) pressed = std::min(pressed, former * ist::meanDepth(contact.total) / constants.depth);
+	if (former > 0)
+	{
+		double deep = ist::meanDepth(contact.total) / constants.depth;
+		if (isClamped(contact, h)) deep = std::min(deep, 1.0);
+		pressed = std::min(pressed, former * deep);
+	}
 	// Bodies that begin inside one another may use the energy of a soft contact only.
 	const bool isNew = !contact.tank.open && !(contact.ahead > 0);
 	double needed = std::max(constants.k, pressed);

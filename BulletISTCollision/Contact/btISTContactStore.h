@@ -58,6 +58,16 @@ struct btISTContactEnergyTank
 										///< [N, N m]
 };
 
+/// From where the solver judges whether a stiffness that grows by what presses has an effect. A contact whose overlap stays as it was is
+/// clamped: it presses as much as k says.
+struct btISTStiffnessGrowth
+{
+	double k = 0;           ///< at the start [Pa/m]; 0: not yet
+	double volume = 0;      ///< of the overlap at the start [m^3]
+	double heldFor = 0;     ///< how long k has waited for an effect [s]
+	bool isSecond = false;  ///< the growth before this one had no effect either
+};
+
 /// Work that the impulses of a contact did on its two bodies together in the last step [J].
 struct btISTContactWork
 {
@@ -136,8 +146,9 @@ struct btISTContact
 	double normalImpulse = 0;  ///< sum of their normal components [N s]
 	ist::Vec3 pressed;         ///< mean of the normal force on A over about the last 20 ms, World axes [N]; written by the solver
 	double grown = 0;          ///< stiffness in the last step of a pair whose stiffness follows from a load [Pa/m]; written by the solver
-	btISTContactWork work;     ///< written by the solver
-	double deepFor = 0;        ///< time since which it has been deep [s]; written by btISTWarnings
+	btISTStiffnessGrowth growth;  ///< written by the solver
+	btISTContactWork work;        ///< written by the solver
+	double deepFor = 0;           ///< time since which it has been deep [s]; written by btISTWarnings
 
 	/// Thickness of the thinner of the bodies that have trees (ist::thicknessOf) [m].
 	double thickness() const;

@@ -181,6 +181,7 @@ void btISTCollisionAlgorithm::evaluate(
 		contact.tank = btISTContactEnergyTank();
 		contact.pressed = {};
 		contact.grown = 0;
+		contact.growth = {};
 		if (kept && m_context->store.predictsTouch() && contact.status == ist::QueryStatus::Ok)
 		{
 			const btISTFreeMotion a = btISTFreeMotion::of(contact.bodyA, step), b = btISTFreeMotion::of(contact.bodyB, step);
@@ -260,6 +261,7 @@ void btISTCollisionAlgorithm::forget()
 	m_contact->total = ist::OverlapIntegrals();
 	m_contact->patchCount = 0;
 	m_contact->pressed = {};
+	m_contact->growth = {};
 	m_contact->normalImpulse = m_contact->grown = m_contact->ahead = 0;
 	m_contact->depth = m_contact->deepest = 0;  // the next shapes may have another thickness
 	m_contact->work = btISTContactWork();

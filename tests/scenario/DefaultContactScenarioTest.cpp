@@ -35,6 +35,15 @@ ist::Mesh coneOnTip()
 /// Normal force of the contact of the two bodies in the last step, as a vector on `body` [N].
 Vec3 forceOn(Scene& scene, const btRigidBody* body, double h) { return 1 / h * impulseOn(scene.world.contacts(), body); }
 
+/// Sum of the magnitudes of the normal forces on the body in the last step [N].
+double normalForceOn(Scene& scene, const btRigidBody* body, double h)
+{
+	double sum = 0;
+	for (const btISTContact* contact : scene.world.contacts().contacts())
+		if (contact->bodyA == body || contact->bodyB == body) sum += contact->normalImpulse / h;
+	return sum;
+}
+
 /// A block along the y axis with a round bore of this radius.
 ist::Mesh boredBlock(double radius)
 {
@@ -255,6 +264,27 @@ TEST(DefaultContact, AnOverhangOfTwoFifthsStaysAndOneOfMoreThanHalfTips)
 		{
 			EXPECT_LT(height(body), 0);
 		}
+	}
+}
+
+// Fixed pads hold a ball in the ground. What it presses there is not a load that a larger stiffness would lift.
+TEST(DefaultContact, WhatIsClampedDoesNotPressMoreAndMore)
+{
+	const Solid ball(ist::makeSphereMesh(.03, 4), 400), pad(ist::makeBoxMesh({.01, .02, .03}), 100);
+	for (const double rate : {60., 240., 1000.})
+	{
+		Scene scene;
+		addSlab(scene);
+		btRigidBody* body = scene.add(scene.volumetricShape(ball), .05, 1.8e-5, at({0, .0299, 0}));
+		body->setFriction(btScalar(2));
+		for (const double side : {-1., 1.})
+			scene.add(scene.volumetricShape(pad), 0, 0, at({side * .0397, .0302, 0}))->setFriction(btScalar(2));
+		scene.run(.05, rate);
+		const double early = normalForceOn(scene, body, 1 / rate);
+		scene.run(.5, rate);
+		EXPECT_LT(normalForceOn(scene, body, 1 / rate), 5 * early) << rate;
+		EXPECT_LT(body->getLinearVelocity().length(), 1e-3) << rate;
+		EXPECT_LT(std::fabs(double(body->getWorldTransform().getOrigin().x())), 1e-4) << rate;
 	}
 }
 
