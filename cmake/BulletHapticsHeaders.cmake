@@ -152,6 +152,11 @@ set(BULLETHAPTICS_HEADERS
 	TestSupport/Matchers.h
 	TestSupport/TestScenes.h
 	TestSupport/TestWorld.h)
+# What the path of a header matches that includes Bullet's.
+set(BULLETHAPTICS_BULLET_HEADER "/Bullet/|/bt[A-Z]|^TestSupport/")
+if(NOT BULLETHAPTICS_BULLET)
+	list(FILTER BULLETHAPTICS_HEADERS EXCLUDE REGEX ${BULLETHAPTICS_BULLET_HEADER})
+endif()
 
 # Until 0.4: each header can be included by the path that it had in 0.2, before the libraries were split into folders.
 function(bullethaptics_forward_old_paths)
@@ -180,6 +185,9 @@ function(bullethaptics_forward_old_paths)
 	bullethaptics_forward(DeviceBridge/Safety/StateWatch.h DeviceBridge/Safety/SampleMonitor.h)
 endfunction()
 function(bullethaptics_forward old header)
+	if(NOT BULLETHAPTICS_BULLET AND header MATCHES "${BULLETHAPTICS_BULLET_HEADER}")
+		return()
+	endif()
 	file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/generated/${old}
 		CONTENT "// The former path of @header@\n#pragma once\n#include \"@header@\"\n" @ONLY)
 	cmake_path(GET old PARENT_PATH folder)

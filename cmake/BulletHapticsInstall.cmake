@@ -3,16 +3,24 @@
 # ::HapticForce, ::TestSupport and ::DeviceBridge with their -float64. Components: runtime (shared libraries), dev, tools, demos.
 include(CMakePackageConfigHelpers)
 
-set(libraries istcore devices)
+# Two exports: a program that asks for Core and Devices only needs no Bullet.
+function(bullethaptics_export export)
+	install(TARGETS ${ARGN} EXPORT ${export}
+		ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
+		LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT dev)
+	install(EXPORT ${export} NAMESPACE BulletHaptics:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics COMPONENT dev)
+endfunction()
+set_target_properties(devices PROPERTIES OUTPUT_NAME BulletHapticsDevices)
+bullethaptics_export(BulletHapticsTargets istcore devices)
+set(bullet_libraries "")
 foreach(precision ${BULLETHAPTICS_PRECISIONS})
 	foreach(library BulletISTCollision BulletHapticForce BulletHapticsTestSupport DeviceBridge)
-		list(APPEND libraries ${library}${suffix_${precision}})
+		list(APPEND bullet_libraries ${library}${suffix_${precision}})
 	endforeach()
 endforeach()
-set_target_properties(devices PROPERTIES OUTPUT_NAME BulletHapticsDevices)
-install(TARGETS ${libraries} EXPORT BulletHapticsTargets
-	ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
-	LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT dev)
+if(BULLETHAPTICS_BULLET)
+	bullethaptics_export(BulletHapticsBulletTargets ${bullet_libraries})
+endif()
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/generated/BulletISTCollision/Core/Base/Version.h
 	DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/BulletISTCollision/Core/Base COMPONENT dev)
 foreach(header ${BULLETHAPTICS_HEADERS})
@@ -22,7 +30,6 @@ endforeach()
 bullethaptics_forward_old_paths()
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics)
-install(EXPORT BulletHapticsTargets NAMESPACE BulletHaptics:: DESTINATION ${package_folder} COMPONENT dev)
 if(TARGET ist)
 	# An export of its own: the libraries can be used where the tools are not installed.
 	install(TARGETS ist EXPORT BulletHapticsTools RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tools)
@@ -35,7 +42,9 @@ if(TARGET haptic_demos)
 	set(scenes_component demos)
 	install(DIRECTORY data/studies DESTINATION ${CMAKE_INSTALL_DATADIR}/BulletHaptics COMPONENT demos)
 endif()
-install(DIRECTORY data/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/BulletHaptics COMPONENT ${scenes_component})
+if(BULLETHAPTICS_BULLET)
+	install(DIRECTORY data/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/BulletHaptics COMPONENT ${scenes_component})
+endif()
 set(scene_folder ${CMAKE_INSTALL_DATADIR}/BulletHaptics/scenes)
 
 configure_package_config_file(cmake/BulletHapticsConfig.cmake.in BulletHapticsConfig.cmake
@@ -45,7 +54,9 @@ install(FILES
 	${CMAKE_CURRENT_BINARY_DIR}/BulletHapticsConfig.cmake
 	${CMAKE_CURRENT_BINARY_DIR}/BulletHapticsConfigVersion.cmake
 	cmake/BulletHapticsAssets.cmake
-	cmake/FindBulletPhysics.cmake
 	DESTINATION ${package_folder} COMPONENT dev)
+if(BULLETHAPTICS_BULLET)
+	install(FILES cmake/FindBulletPhysics.cmake DESTINATION ${package_folder} COMPONENT dev)
+endif()
 # Where ROS looks for it.
 install(FILES package.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/bullethaptics COMPONENT dev)

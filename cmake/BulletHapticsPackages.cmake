@@ -2,7 +2,7 @@
 # Debian packages: cmake --preset package && cmake --build --preset package && cpack --config build/package/CPackConfig.cmake
 # The packages are libbullethaptics0.2 (shared libraries, both precisions beside each other), libbullethaptics-dev, bullethaptics-tools,
 # bullethaptics-demos and python3-bullethaptics.
-if(NOT BUILD_SHARED_LIBS OR NOT UNIX)
+if(NOT BUILD_SHARED_LIBS OR NOT UNIX OR NOT BULLETHAPTICS_BULLET)
 	return()
 endif()
 find_program(BULLETHAPTICS_GZIP gzip)
@@ -109,7 +109,7 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_CURRENT_BINARY_DIR}/Bull
 	${CMAKE_CURRENT_BINARY_DIR}/TestSupport ${CMAKE_CURRENT_BINARY_DIR}/DeviceBridge)
 # By hand: CPack would also list the plug-ins, which nobody links with.
 set(shlibs "")
-foreach(library ${libraries})
+foreach(library istcore devices ${bullet_libraries})
 	get_target_property(name ${library} OUTPUT_NAME)
 	if(NOT name)
 		set(name ${library})

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Zlib
 # Installs the Debian packages that are missing: as root directly, else with sudo after saying what it will run.
-# Usage: cmake/setup.sh [library|demos|tests|release] [--yes]
-#   library   for the libraries and the ist command
+# Usage: cmake/setup.sh [core|library|demos|tests|release] [--yes]
+#   core      for the libraries and commands that need no Bullet (BULLETHAPTICS_BULLET=OFF)
+#   library   for all libraries and commands
 #   demos     for the demos, the drivers of devices and the Debian packages, too
 #   tests     for all tests but those labelled "long", the Python module and the documentation, too (default)
 #   release   for the tests labelled "long", too, as far as Debian has what they need
@@ -12,23 +13,34 @@ set -euo pipefail
 scope=tests yes=
 for argument in "$@"; do
 	case $argument in
-	library | demos | tests | release) scope=$argument ;;
+	core | library | demos | tests | release) scope=$argument ;;
 	--yes) yes=1 ;;
 	*)
-		echo "setup.sh: what is $argument? Known are library, demos, tests, release, --yes" >&2
+		echo "setup.sh: what is $argument? Known are core, library, demos, tests, release, --yes" >&2
 		exit 2
 		;;
 	esac
 done
 
-packages=(g++ make cmake ninja-build ccache libbullet-dev libbullet-extras-dev pkg-config libeigen3-dev libassimp-dev zlib1g-dev
-	libcli11-dev nlohmann-json3-dev)
-[ $scope = library ] || packages+=(glmark2-data libgtest-dev libgmock-dev python3 libboost-dev libopenxr-dev libsdl2-dev libspnav-dev
-	libx11-dev
-	libglfw3-dev libimgui-dev libstb-dev libopengl-dev libegl-dev libpng-dev libgl1-mesa-dri fonts-dejavu-core file dpkg-dev)
-[ $scope = library ] || [ $scope = demos ] || packages+=(locales clang clang-format-14 python3-dev python3-numpy pybind11-dev doxygen
-	spacenavd xvfb xauth reuse abigail-tools)
-[ $scope != release ] || packages+=(lintian mmdebstrap g++-aarch64-linux-gnu qemu-user colcon python3-colcon-ros python3-colcon-cmake)
+packages=()
+case $scope in # each brings what those below it need
+release)
+	packages+=(lintian mmdebstrap g++-aarch64-linux-gnu qemu-user g++-11 clang-16 clang-19 colcon python3-colcon-ros python3-colcon-cmake)
+	;&
+tests)
+	packages+=(locales clang clang-format-14 python3-dev python3-numpy pybind11-dev doxygen spacenavd xvfb xauth reuse abigail-tools)
+	;&
+demos)
+	packages+=(glmark2-data libgtest-dev libgmock-dev python3 libboost-dev libopenxr-dev libsdl2-dev libspnav-dev libx11-dev
+		libglfw3-dev libimgui-dev libstb-dev libopengl-dev libegl-dev libpng-dev libgl1-mesa-dri fonts-dejavu-core file dpkg-dev)
+	;&
+library)
+	packages+=(libbullet-dev libbullet-extras-dev)
+	;&
+core)
+	packages+=(g++ make cmake ninja-build ccache pkg-config libeigen3-dev libassimp-dev zlib1g-dev libcli11-dev nlohmann-json3-dev)
+	;;
+esac
 
 missing=()
 for package in "${packages[@]}"; do

@@ -3,6 +3,8 @@
 
 #include "BulletHapticForce/World/btVolumetricInstallation.h"
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Dispatch/btISTDispatcherClass.h"
+#include "BulletISTCollision/Registry/btISTClassOf.h"
 
 #include "BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h"
 #include "BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h"
@@ -22,26 +24,33 @@ struct SolverOwnership : btDiscreteDynamicsWorld
 	static bool& of(btDiscreteDynamicsWorld& world) { return world.*(&SolverOwnership::m_ownsConstraintSolver); }
 };
 
-const btVolumetricStatistics& statisticsOf(const btSequentialImpulseConstraintSolver& solver)
+template <class Base> const btVolumetricStatistics* statisticsOver(const btSequentialImpulseConstraintSolver& solver)
 {
-	if (const auto* multiBody = dynamic_cast<const btVolumetricSolver<btMultiBodyConstraintSolver>*>(&solver))
-		return multiBody->statistics();
-	if (const auto* nncg = dynamic_cast<const btVolumetricSolver<btNNCGConstraintSolver>*>(&solver)) return nncg->statistics();
-	const auto* plain = dynamic_cast<const btVolumetricSolver<btSequentialImpulseConstraintSolver>*>(&solver);
-	return plain ? plain->statistics() : kNoStatistics;
+	const auto table = [] {
+		const btVolumetricSolver<Base> example(std::make_shared<btISTContactStore>());
+		return btISTVirtualTable(&example);
+	};
+	const auto* ours = btISTCast<const btVolumetricSolver<Base>>(&solver, table);
+	return ours ? &ours->statistics() : nullptr;
 }
 
-void copySettings(const btConstraintSolver* from, btSequentialImpulseConstraintSolver& to)
+const btVolumetricStatistics& statisticsOf(const btSequentialImpulseConstraintSolver& solver)
 {
-	const auto* old = dynamic_cast<const btSequentialImpulseConstraintSolver*>(from);
-	if (!old) return;
-	auto& source = const_cast<btSequentialImpulseConstraintSolver&>(*old);  // Bullet's getters are not const
-	to.setRandSeed(source.getRandSeed());
-	to.setConstraintRowSolverGeneric(source.getActiveConstraintRowSolverGeneric());
-	to.setConstraintRowSolverLowerLimit(source.getActiveConstraintRowSolverLowerLimit());
-	const auto* oldNncg = dynamic_cast<const btNNCGConstraintSolver*>(from);
-	auto* nncg = dynamic_cast<btNNCGConstraintSolver*>(&to);
-	if (oldNncg && nncg) nncg->m_onlyForNoneContact = oldNncg->m_onlyForNoneContact;
+	if (const auto* found = statisticsOver<btMultiBodyConstraintSolver>(solver)) return *found;
+	if (const auto* found = statisticsOver<btNNCGConstraintSolver>(solver)) return *found;
+	const auto* found = statisticsOver<btSequentialImpulseConstraintSolver>(solver);
+	return found ? *found : kNoStatistics;
+}
+
+/// `from` is the solver that installVolumetricSolver has replaced by `to`, and hence one of three classes.
+void copySettings(btConstraintSolver& from, btSequentialImpulseConstraintSolver& to)
+{
+	auto& old = static_cast<btSequentialImpulseConstraintSolver&>(from);
+	to.setRandSeed(old.getRandSeed());
+	to.setConstraintRowSolverGeneric(old.getActiveConstraintRowSolverGeneric());
+	to.setConstraintRowSolverLowerLimit(old.getActiveConstraintRowSolverLowerLimit());
+	if (old.getSolverType() == BT_NNCG_SOLVER)
+		static_cast<btNNCGConstraintSolver&>(to).m_onlyForNoneContact = static_cast<btNNCGConstraintSolver&>(old).m_onlyForNoneContact;
 }
 }  // namespace
 
@@ -65,10 +74,12 @@ btISTWorld::btISTWorld(btDiscreteDynamicsWorld& game)
 	  m_statistics(&kNoStatistics)
 {
 	m_materials->followGravity(&game);
-	auto* dispatcher = dynamic_cast<btCollisionDispatcher*>(game.getDispatcher());
+	btCollisionDispatcher* dispatcher = btISTAsCollisionDispatcher(game.getDispatcher());
 	if (!dispatcher)
 	{
-		m_refusal = "the world's dispatcher is no btCollisionDispatcher and has no tables to register with: contact stays Bullet's";
+		m_refusal = "the world's dispatcher is no btCollisionDispatcher and has no tables to register with, or is of a class of the game's "
+					"own that "
+					"was compiled without RTTI: contact stays Bullet's";
 		m_parts = std::make_unique<Parts>();  // a place to register, so that all other methods have a valid registration
 		m_registration = btISTCollisionAlgorithm::registerAlgorithm(&m_parts->dispatcher);
 		return;
@@ -114,7 +125,7 @@ void btISTWorld::installInto(btDiscreteDynamicsWorld& game)
 	m_solver = std::move(solver).value();
 	m_gamesSolver = old;
 	m_statistics = &statisticsOf(*m_solver);
-	copySettings(old, *m_solver);
+	copySettings(*old, *m_solver);
 }
 
 void btISTWorld::restore()
@@ -129,9 +140,10 @@ void btISTWorld::giveSolverBack()
 	const btConstraintSolver* now = m_world->getConstraintSolver();
 	if (now == m_solver.get())
 	{
-		if (auto* old = dynamic_cast<btSequentialImpulseConstraintSolver*>(m_gamesSolver)) old->setRandSeed(m_solver->getRandSeed());
-		if (auto* multiBody = dynamic_cast<btMultiBodyDynamicsWorld*>(m_world))
-			multiBody->setMultiBodyConstraintSolver(static_cast<btMultiBodyConstraintSolver*>(m_gamesSolver));
+		static_cast<btSequentialImpulseConstraintSolver*>(m_gamesSolver)->setRandSeed(m_solver->getRandSeed());
+		if (btISTIsExactly<btMultiBodyConstraintSolver>(*m_gamesSolver))  // only multibody worlds have had it replaced
+			static_cast<btMultiBodyDynamicsWorld*>(m_world)->setMultiBodyConstraintSolver(
+				static_cast<btMultiBodyConstraintSolver*>(m_gamesSolver));
 		else m_world->setConstraintSolver(m_gamesSolver);
 	}
 	if (now == m_solver.get() || now == m_gamesSolver) SolverOwnership::of(*m_world) = m_gameOwnedIt;

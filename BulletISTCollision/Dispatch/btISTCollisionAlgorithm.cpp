@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Dispatch/btISTContext.h"
 #include "BulletISTCollision/Dispatch/btISTQueryThreads.h"
 #include "BulletISTCollision/PairQuery/btISTFirstTouch.h"
+#include "BulletISTCollision/Registry/btISTClassOf.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 #include "BulletISTCollision/Registry/btISTShapeField.h"
 
@@ -16,9 +17,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <typeinfo>
 #include <utility>
 
 #ifdef BT_USE_DOUBLE_PRECISION
@@ -55,11 +54,11 @@ bool isSkewed(const btCollisionObjectWrapper& wrap)
 		std::isfinite(squaredNorm(X.rotation.row(0)) + squaredNorm(X.rotation.row(1)) + squaredNorm(X.rotation.row(2)));
 }
 
-/// True within a contact test, where Bullet lets Respond algorithms answer for the children of a compound. The names are compared because
-/// games may pass result classes of their own.
-bool isOfContactTest(const btManifoldResult& result)
+/// True within a contact test, where Bullet lets Respond algorithms answer for the children of a compound. Games may pass result classes of
+/// their own, so it does not suffice that the result is no plain btManifoldResult.
+bool isOfContactTest(const btManifoldResult& result, const btISTContext& context)
 {
-	return typeid(result) != typeid(btManifoldResult) && std::strstr(typeid(result).name(), "btBridgedManifoldResult");
+	return btISTVirtualTable(&result) == context.tableOfContactTests;
 }
 
 void announceProcessed(btPersistentManifold& manifold)
@@ -224,7 +223,7 @@ void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* b
 	}
 	destroyStock();
 	resultOut->setPersistentManifold(m_manifold);
-	if (!m_contact || isOfContactTest(*resultOut))
+	if (!m_contact || isOfContactTest(*resultOut, *m_context))
 	{
 		if (report(wrapA, wrapB, *resultOut) || !(resultOut->m_closestPointDistanceThreshold > 0)) return;
 		createStock(body0Wrap, body1Wrap);  // the bodies are apart, and the caller wants their distance

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "BulletISTCollision/Contact/btISTContactStore.h"
+#include "BulletISTCollision/Dispatch/btISTContactTest.h"
 #include "BulletISTCollision/Dispatch/btISTQueryThreads.h"
 #include "BulletISTCollision/PairQuery/btISTPairQuery.h"
 #include "BulletISTCollision/PairQuery/btISTVerletLists.h"
@@ -56,6 +57,7 @@ public:
 
 	btISTCreateFunc contacts, closest;
 	bool active = true;
+	const void* const tableOfContactTests = btISTTableOfContactTests();
 	btISTContactStore store;
 	std::shared_ptr<btISTRegistry> registry;
 	btISTPairFilter pairFilter;

@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Dispatch/btISTInstallation.h"
 
 #include "BulletISTCollision/Dispatch/btISTCollisionAlgorithm.h"
+#include "BulletISTCollision/Registry/btISTClassOf.h"
 #include "BulletISTCollision/Registry/btISTShapeField.h"
 #include "BulletISTCollision/Registry/btISTShapeParts.h"
 
@@ -191,11 +192,15 @@ std::shared_ptr<btISTInstallation> btISTInstallation::in(btCollisionDispatcher& 
 {
 	std::shared_ptr<btISTInstallation> found;
 	const btCollisionAlgorithmCreateFunc* last = nullptr;
+	const auto tableOfOurs = [] {
+		const btISTCreateFunc example;
+		return btISTVirtualTable(&example);
+	};
 	forEachEntry([&](bool closest, int i, int j) {
 		const btCollisionAlgorithmCreateFunc* entry = DispatchTables::entry(dispatcher, closest, i, j);
 		if (found || entry == last) return;
 		last = entry;
-		if (const auto* ours = dynamic_cast<const btISTCreateFunc*>(entry)) found = ours->context->installation.lock();
+		if (const auto* ours = btISTCast<const btISTCreateFunc>(entry, tableOfOurs)) found = ours->context->installation.lock();
 	});
 	return found;
 }

@@ -2,10 +2,11 @@
 #include "BulletISTCollision/Dispatch/btISTRegistration.h"
 
 #include "BulletISTCollision/Dispatch/btISTCollisionAlgorithm.h"
+#include "BulletISTCollision/Dispatch/btISTDispatcherClass.h"
 #include "BulletISTCollision/Dispatch/btISTInstallation.h"
 
 #include "BulletCollision/BroadphaseCollision/btOverlappingPairCache.h"
-#include "BulletCollision/CollisionDispatch/btCollisionDispatcherMt.h"
+#include "BulletCollision/CollisionDispatch/btCollisionDispatcher.h"
 
 #include <utility>
 
@@ -19,7 +20,7 @@ std::string refusalFor(const btCollisionDispatcher* dispatcher, bool hasAnotherR
 		return "the dispatcher has a registration with another registry, which stays: shapes that are attached to yours are not volumetric "
 			   "there; attach them to the registry of the first registration, or pass that one";
 	// Any dispatcher of this class is refused, because its scheduler may get threads at any later time.
-	if (dynamic_cast<const btCollisionDispatcherMt*>(dispatcher))
+	if (btISTIsThreaded(*dispatcher))
 		return "the dispatcher may call algorithms from several threads at once, which ours does not allow: contact stays Bullet's; "
 			   "give the world a btCollisionDispatcher, and query by several threads (setQueryThreads)";
 	return {};

@@ -37,7 +37,12 @@ Json toLibrary(const JsonValue& value)
 /// Offset of what the parser stumbled over. A number that is too large comes without its place but with its text in quotes.
 std::size_t placeOf(const Json::exception& e, const std::string& text)
 {
-	if (const auto* parsing = dynamic_cast<const Json::parse_error*>(&e)) return parsing->byte > 0 ? parsing->byte - 1 : 0;
+	// The identifiers of the library's parse errors; a dynamic_cast needs RTTI.
+	if (e.id > 100 && e.id < 200)
+	{
+		const std::size_t read = static_cast<const Json::parse_error&>(e).byte;
+		return read > 0 ? read - 1 : 0;
+	}
 	const std::string message = e.what();
 	const std::size_t first = message.find('\''), last = message.rfind('\'');
 	if (first == std::string::npos || last <= first) return 0;

@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Zlib
-"""Has the other of g++ and clang++ read every source that a build has in some folders, warnings as errors; writes no objects.
-Usage: other_compiler_accepts.py SOURCE BUILD THIS_COMPILER_ID FOLDER...      BUILD: with compile_commands.json
+"""Has another compiler read every source that a build has in some folders, warnings as errors; writes no objects.
+Usage: other_compiler_accepts.py [--compiler COMPILER] [--std STANDARD] SOURCE BUILD THIS_COMPILER_ID FOLDER...
+BUILD: with compile_commands.json. COMPILER: without it the other of g++ and clang++. STANDARD: as in -std, without it the build's.
 Exit status 77: the other compiler, or that file, is missing."""
+import argparse
 import concurrent.futures
 import json
 import os
@@ -15,7 +17,8 @@ import sys
 SKIPPED = 77
 # What each compiler has a way of its own for, or a package.
 LEFT_OUT = ("-fopenmp", "-fsanitize", "-fschedule-insns", "-fsched-pressure", "-fpch-preprocess", "-Winvalid-pch")
-ADDED = ["-fsyntax-only", "-Wno-unknown-pragmas", "-Wno-unknown-warning-option"]
+# The last: clang 17 and later report a deprecated function that libstdc++ 12 itself calls in std::stable_sort.
+ADDED = ["-fsyntax-only", "-Wno-unknown-pragmas", "-Wno-unknown-warning-option", "-Wno-deprecated-declarations"]
 
 
 def options(entry):
@@ -42,10 +45,18 @@ def chosen(entries, source, folders):
 
 
 def main():
-    source, build, this_compiler, *folders = sys.argv[1:]
-    compiler, package = ("clang++", "clang") if this_compiler == "GNU" else ("g++", "g++")
+    parser = argparse.ArgumentParser()
+    for option in ("--compiler", "--std"):
+        parser.add_argument(option)
+    for argument in ("source", "build", "this_compiler"):
+        parser.add_argument(argument)
+    parser.add_argument("folders", nargs="+")
+    arguments = parser.parse_args()
+    source, build, folders = arguments.source, arguments.build, arguments.folders
+    compiler = arguments.compiler or ("clang++" if arguments.this_compiler == "GNU" else "g++")
+    standard = [f"-std={arguments.std}"] if arguments.std else []
     if not shutil.which(compiler):
-        print(f"skipped: no {compiler} (apt-get install {package})")
+        print(f"skipped: no {compiler} (apt-get install {compiler.replace('clang++', 'clang')})")
         return SKIPPED
     commands = pathlib.Path(build, "compile_commands.json")
     if not commands.exists():
@@ -54,7 +65,7 @@ def main():
     entries = chosen(json.loads(commands.read_text()), source, folders)
 
     def complaints(entry):
-        line = [compiler, *options(entry), *ADDED, entry["file"]]
+        line = [compiler, *options(entry), *ADDED, *standard, entry["file"]]
         run = subprocess.run(line, cwd=entry["directory"], capture_output=True, text=True)
         return run.stderr or (f"{entry['file']}: {compiler} ended with {run.returncode}" if run.returncode else "")
 

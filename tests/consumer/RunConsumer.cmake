@@ -20,6 +20,15 @@ run(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -DCMAKE_PREFIX_PATH=${WORK}/p
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${CMAKE_CTEST_COMMAND} --test-dir ${WORK}/build --output-on-failure --no-tests=error)
 
+# A program that asks for what needs no Bullet finds it where there is none; one that asks for more does not.
+set(without_bullet ${CMAKE_COMMAND} -S ${SOURCE}/../without_bullet -B ${WORK}/without_bullet
+	-DCMAKE_PREFIX_PATH=${WORK}/prefix -DCMAKE_DISABLE_FIND_PACKAGE_BulletPhysics=ON)
+run(${without_bullet})
+execute_process(COMMAND ${without_bullet} "-DCOMPONENTS=Core\;HapticForce" RESULT_VARIABLE code OUTPUT_QUIET ERROR_VARIABLE text)
+if(code EQUAL 0 OR NOT text MATCHES "BulletPhysics")
+	message(FATAL_ERROR "HapticForce without Bullet: ${code}\n${text}")
+endif()
+
 # Where the compiler has no OpenMP it is said what to do.
 if(OPENMP)
 	execute_process(

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: Zlib
+# What depends on Bullet is built once for each of its precisions that is asked for and installed.
+find_package(BulletPhysics)
+if(NOT BulletPhysics_FOUND)
+	message(FATAL_ERROR "Bullet is missing (apt-get install libbullet-dev libbullet-extras-dev; BULLET_ROOT is for one that you built). "
+		"BULLETHAPTICS_BULLET=OFF builds Core, Devices, their commands and the Python module without it")
+endif()
+set(wanted ${BULLETHAPTICS_PRECISIONS})
+set(BULLETHAPTICS_PRECISIONS "")
+set(suffix_Single "")
+set(suffix_Double "-float64")
+foreach(precision Single Double)
+	if(NOT precision IN_LIST wanted)
+		continue()
+	elseif(BulletPhysics_${precision}_FOUND)
+		list(APPEND BULLETHAPTICS_PRECISIONS ${precision})
+	elseif(BULLETHAPTICS_DEMOS OR BULLETHAPTICS_TESTS)
+		message(FATAL_ERROR "Demos and tests need Bullet in the precisions ${wanted}, and ${precision} is missing: set BULLETHAPTICS_DEMOS "
+			"and BULLETHAPTICS_TESTS to OFF, or BULLETHAPTICS_PRECISIONS to Single, or install the other")
+	endif()
+endforeach()
+if(NOT BULLETHAPTICS_PRECISIONS)
+	message(FATAL_ERROR "Bullet is not installed in any of the precisions ${wanted} (BULLETHAPTICS_PRECISIONS)")
+elseif((BULLETHAPTICS_DEMOS OR BULLETHAPTICS_TESTS) AND NOT Single IN_LIST BULLETHAPTICS_PRECISIONS)
+	message(FATAL_ERROR "Demos and tests need single precision: add Single to BULLETHAPTICS_PRECISIONS")
+endif()
+if(BULLETHAPTICS_SANITIZE)
+	# Double precision is the same sources once more.
+	list(GET BULLETHAPTICS_PRECISIONS 0 BULLETHAPTICS_PRECISIONS)
+endif()
