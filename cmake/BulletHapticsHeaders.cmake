@@ -90,6 +90,7 @@ set(BULLETHAPTICS_HEADERS
 	DeviceBridge/Bullet/BulletLocalWorld.h
 	DeviceBridge/Bullet/BulletToolContacts.h
 	DeviceBridge/Bullet/BulletWorldCoupling.h
+	DeviceBridge/Bullet/ToolStiffness.h
 	DeviceBridge/Coupling/AdaptiveCoupling.h
 	DeviceBridge/Coupling/CouplingSwitch.h
 	DeviceBridge/Coupling/DeviceGains.h

@@ -17,6 +17,8 @@ const char* const kDemoUsage =
 	"--paper-figures DIR | --gallery DIR\n"
 	"without a demo, or with one of the browser's and without --headless, a window opens\n"
 	"  --scene FILE     run a scene file (data/scenes); of the options below, those of the mesh and the world do not go with it\n"
+	"  --set FIELD=VALUE of --scene, as often as you like: a field and what it is in place of the file's, as topology=contact-in-tick or "
+	"hand.device=sim:touchx\n"
 	"  --study FILE     run the trials of a study (data/studies) with --participant N, its number from 1\n"
 	"  --device ADDRESS of --study: the device in place of that of the scenes\n"
 	"  --results FOLDER where --study writes its two CSV files, made where it is missing (default: the current folder)\n"
@@ -115,6 +117,7 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 		return clash("--study", {"--scene", "--demo", "--mesh", "--unit", "--spheres", "--decoupled", "--world-rate", "--report"},
 			"the file says all that, and the results are two CSV files");
 	}
+	if (given.count("--set") && !given.count("--scene")) return "--set goes with --scene";
 	for (const char* name : {"--participant", "--results"})
 		if (given.count(name)) return std::string(name) + " goes with --study";
 	if (given.count("--scene"))
@@ -197,8 +200,9 @@ DemoArguments parseDemoArguments(int argc, char** argv)
 		const auto flag = flags.find(name);
 		const auto value = values.find(name);
 		if (flag != flags.end()) *flag->second = true;
-		else if (value == values.end()) a.error = "unknown option " + name;
+		else if (value == values.end() && name != "--set") a.error = "unknown option " + name;
 		else if (i + 1 == argc) a.error = name + " needs a value";
+		else if (name == "--set") a.set.push_back(argv[++i]);
 		else if (*value->second = argv[++i]; value->second->empty() && name != "--cache")
 			a.error = name + " needs a value";  // without a cache nothing is kept
 	}

@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace scenes
 {
@@ -17,6 +18,7 @@ struct DemoArguments
 	double unit = 0;  ///< [m]; 0: not given
 	std::optional<ist::UpAxes> up;
 	double mass = 0, friction = 0;  ///< of the mesh of a grasp; 0: not given
+	std::vector<std::string> set;   ///< of a scene file: FIELD=VALUE
 	double worldRate = 60;
 	long long spheres = 10000;
 	int participant = 0;  ///< of a study, from 1

@@ -175,9 +175,26 @@ int runHapticBunny(const DemoArguments& a)
 	return outcome.value().ok() ? presented : 1;
 }
 
+/// FIELD=VALUE. A value that is no JSON is a text.
+ist::Result<scenes::SceneSetting> settingFrom(const std::string& text)
+{
+	const size_t equals = text.find('=');
+	if (equals == 0 || equals == std::string::npos) return ist::Error{"--set wants FIELD=VALUE, not " + text};
+	const std::string value = text.substr(equals + 1);
+	const ist::ParsedJson parsed = ist::parseJson(value);
+	return scenes::SceneSetting{text.substr(0, equals), parsed.ok() ? parsed.value : ist::JsonValue(value)};
+}
+
 int runSceneFile(const DemoArguments& a)
 {
-	const ist::Result<scenes::Scene> scene = scenes::loadScene(a.scene);
+	std::vector<scenes::SceneSetting> settings;
+	for (const std::string& text : a.set)
+	{
+		ist::Result<scenes::SceneSetting> setting = settingFrom(text);
+		if (!setting) return say(setting.error().message), 2;
+		settings.push_back(std::move(setting).value());
+	}
+	const ist::Result<scenes::Scene> scene = scenes::loadScene(a.scene, settings);
 	if (!scene) return say(scene.error().message), 1;
 	const scenes::SceneRunOptions options{{a.cache, showProgress, say}, a.virtualTime, {}};
 	const ist::Result<scenes::SceneOutcome> outcome = scenes::runScene(scene.value(), options);

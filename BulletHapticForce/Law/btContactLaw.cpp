@@ -244,6 +244,17 @@ void btContactLoad::addApproach(const btISTContact& contact, int patchIndex, dou
 	m_area += area;
 }
 
+double stiffnessUnder(const btPress& press, double least, double former, double h)
+{
+	// At rest the present depth asks for the same k. In a contact that has just begun, or in the slivers of a fit, the area says little,
+	// but the depth shows that nothing presses.
+	double pressed = press.force / (press.area * press.aimed);
+	if (former > 0) pressed = std::min(pressed, former * press.depth / press.aimed);
+	double needed = std::max(least, pressed);
+	if (former > 0) needed = std::min(needed, former * std::exp(std::min(kGrowth * (h / kTick) * (h / kTick), 1.0)));
+	return std::max(needed, std::min(former, std::max(kSpare * needed, former * std::exp(-kDecay * h))));
+}
+
 double carryLoad(btISTContact& contact, const btContactLoad& load, double h)
 {
 	btISTPairConstants& constants = contact.constants;
@@ -261,20 +272,12 @@ double carryLoad(btISTContact& contact, const btContactLoad& load, double h)
 		constants.rule = btISTStiffnessRule::Pressed;
 	};
 	const double former = contact.grown;
-	// At rest the present depth asks for the same k. In a contact that has just begun, or in the slivers of a fit, the area says little,
-	// but the depth shows that nothing presses.
-	double pressed = norm(contact.pressed) / (area * constants.depth);
-	if (former > 0)
-	{
-		double deep = ist::meanDepth(contact.total) / constants.depth;
-		if (isClamped(contact, h)) deep = std::min(deep, 1.0);
-		pressed = std::min(pressed, former * deep);
-	}
 	// Bodies that begin inside one another may use the energy of a soft contact only.
 	const bool isNew = !contact.tank.open && !(contact.ahead > 0);
-	double needed = std::max(constants.k, pressed);
-	if (former > 0) needed = std::min(needed, former * std::exp(std::min(kGrowth * (h / kTick) * (h / kTick), 1.0)));
-	raiseTo(std::max(needed, std::min(former, std::max(kSpare * needed, former * std::exp(-kDecay * h)))));
+	// Held bodies press as much as k says: for them any depth is the aimed one.
+	double depth = ist::meanDepth(contact.total);
+	if (former > 0 && isClamped(contact, h)) depth = std::min(depth, constants.depth);
+	raiseTo(stiffnessUnder({norm(contact.pressed), area, depth, constants.depth}, constants.k, former, h));
 	if (!isNew) raiseTo(stiffnessOfStop(contact, load, area, h));
 	fillEnergyTank(contact, former);
 	const double stiffest = kStiffestPerStep * restingMass(contact, load.mass) / (h * h * area);
@@ -289,11 +292,13 @@ double carryLoad(btISTContact& contact, const btContactLoad& load, double h)
 	return factor;
 }
 
-void notePressed(btISTContact& contact, const ist::Vec3& normalImpulse, double h)
+void notePressed(ist::Vec3& pressed, const ist::Vec3& normalImpulse, double h)
 {
-	const ist::Vec3 change = -std::expm1(-h / kPressedTime) * (normalImpulse / h - contact.pressed);
-	if (isFinite(change)) contact.pressed += change;
+	const ist::Vec3 change = -std::expm1(-h / kPressedTime) * (normalImpulse / h - pressed);
+	if (isFinite(change)) pressed += change;
 }
+
+void notePressed(btISTContact& contact, const ist::Vec3& normalImpulse, double h) { notePressed(contact.pressed, normalImpulse, h); }
 
 void leaveOutRolling(btContactPatch& patch, const btISTContact& contact, double curvature, const ist::Vec3& spin, double h)
 {

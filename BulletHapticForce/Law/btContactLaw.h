@@ -64,6 +64,20 @@ private:
 	double m_area = 0, m_areaTimesSpeed = 0;
 };
 
+/// What presses on a contact.
+struct btPress
+{
+	double force = 0;  ///< mean of the normal force lately (notePressed) [N]
+	double area = 0;   ///< present area [m^2]
+	double depth = 0;  ///< present mean depth (ist::meanDepth) [m]
+	double aimed = 0;  ///< mean depth at which the contact shall rest [m]
+};
+
+/// Stiffness that follows what presses, and at least `least`, the stiffness of the pair's rule. `former` is that of the last step; 0: the
+/// contact is new. The force is carried at the aimed depth as far as the contact is deep, k grows by at most what carryLoad() says in a
+/// step of `h` [s], and it falls slowly. Stiffness and area may be of any units whose product is that of a force over a length.
+double stiffnessUnder(const btPress& press, double least, double former, double h);
+
 /// Decides the stiffness k of a pair whose stiffness follows from a load, once per step, before its patches are solved:
 /// - k is at least what carries `load.weight` at the depth of the pair's rule, and what has lately pressed (btISTContact::pressed), as far
 ///   as the contact is that deep, and as long as a larger k lifts it: where bodies are held as they are, k stays. By what presses, k grows
@@ -80,3 +94,5 @@ double carryLoad(btISTContact& contact, const btContactLoad& load, double h);
 /// Updates the running mean of the normal force on A (btISTContact::pressed). `normalImpulse`: sum of the normal impulses on A of all
 /// patches, World axes [N s]. What a body presses against itself, as in a tight fit, is no load. Call it after each step.
 void notePressed(btISTContact& contact, const ist::Vec3& normalImpulse, double h);
+/// The same for a mean that a caller keeps [N].
+void notePressed(ist::Vec3& pressed, const ist::Vec3& normalImpulse, double h);

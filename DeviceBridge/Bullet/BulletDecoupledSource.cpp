@@ -36,12 +36,6 @@ const char* whyNotSlots(int slots)
 													  : "the setting slots must be 1 to 1024: it is the number of bodies near the tool";
 }
 
-void scale(LinearContact& c, double factor)
-{
-	c.wrench = factor * c.wrench;
-	for (double& k : c.stiffness.m) k *= factor;
-	for (double& d : c.damping.m) d *= factor;
-}
 }  // namespace
 
 BulletDecoupledSource::BulletDecoupledSource(
@@ -71,6 +65,7 @@ BulletDecoupledSource::BulletDecoupledSource(btRigidBody& tool, std::vector<Tool
 	  m_touching(std::size_t(kToolContactsPerSlot * m_slots)),
 	  m_contactOf(std::size_t(m_slots)),
 	  m_touched(std::size_t(m_slots)),
+	  m_stiffness(m_slots),
 	  m_lastTopology(settings.topology),
 	  m_questions(m_slots),
 	  m_answers(m_slots),
@@ -140,6 +135,8 @@ void BulletDecoupledSource::advance(double dt, const DeviceState& hand, ToolStep
 	m_touchingCount = 0;
 	if (m_refusal[0] == '\0') findContacts(now, step);
 	if (topology() == ContactThreading::InHapticThread) step.queryMicroseconds = microsecondsSince(begin);
+	const bool isFoundAnew = m_lastTopology == ContactThreading::InHapticThread;
+	if (isFoundAnew) m_stiffness.stiffen(m_touching.data(), m_touchingCount, m_mirror.snapshot(), m_local.tool.mass, dt);
 	weighContacts(dt, factor);
 	DeviceState leading = hand;
 	step.coupling = {};
@@ -152,6 +149,7 @@ void BulletDecoupledSource::advance(double dt, const DeviceState& hand, ToolStep
 	const ist::Mat3& R_BW = m_settings.X_BW.rotation;
 	const ist::Vec3 origin = m_local.tool.state.X_WT.translation;
 	m_local.step(dt, {R_BW * step.coupling.force, R_BW * step.coupling.torque}, m_touching.data(), m_touchingCount, m_mirror.snapshot());
+	if (isFoundAnew) m_stiffness.note(m_touching.data(), m_touchingCount, m_local, dt);
 	step.tool = toolState();
 	step.toolIsBroken = m_local.toolIsBroken();
 	if (step.toolIsBroken) m_brokenSteps.fetch_add(1, std::memory_order_relaxed);
@@ -168,6 +166,7 @@ void BulletDecoupledSource::takeSnapshot(std::int64_t now) noexcept
 		const WorldSnapshot& world = m_mirror.snapshot();
 		m_worldAge.arrived(now, static_cast<std::int64_t>(1e9 * world.period));
 		m_local.reconcile(world);
+		m_stiffness.take(world);
 		m_worldSteps.fetch_add(1, std::memory_order_relaxed);
 	}
 	const std::int64_t age = m_worldAge.known() ? m_worldAge.age(now) : 0;
@@ -229,6 +228,8 @@ void BulletDecoupledSource::findContacts(std::int64_t now, ToolStep& step) noexc
 	if (wanted != m_lastTopology)
 	{
 		m_answerAge.forget();
+		m_stiffness.forget();
+		m_stiffness.take(m_mirror.snapshot());
 		if (wanted == ContactThreading::OwnThread && m_answers.readable().number > 0) m_answerAge.arrived(m_answers.readable().askedAt, 0);
 	}
 	m_lastTopology = wanted;
@@ -262,8 +263,10 @@ void BulletDecoupledSource::askInHapticThread(ToolStep& step) noexcept
 		const MirroredPair& pair = world.pairs[std::size_t(i)];
 		const MirroredBody& body = mirrored(pair.slot);
 		if (body.epoch == 0 || body.leaving) continue;
-		m_touchingCount += m_finder.find(m_local.tool.state.X_WT, pair, body, m_local.body(pair.slot).spent.X_WB,
-			m_touching.data() + m_touchingCount, capacity - m_touchingCount, step.overlapVolume);
+		const int first = m_touchingCount;
+		m_touchingCount += m_finder.find(m_local.tool.state.X_WT, pair, body, m_local.body(pair.slot).spent.X_WB, m_touching.data() + first,
+			capacity - first, step.overlapVolume);
+		for (int k = first; k < m_touchingCount; ++k) m_touching[std::size_t(k)].pair = i;
 	}
 	m_coarsened.store(m_finder.coarsened(), std::memory_order_relaxed);
 	m_overBudget.store(m_finder.overBudget(), std::memory_order_relaxed);
@@ -349,7 +352,7 @@ void BulletDecoupledSource::takeModel(const std::vector<LinearContact>& contacts
 		double way = 0;
 		LinearContact& moved = m_touching[std::size_t(m_touchingCount)] = movedTo(found, *motion, &way);
 		if (!(dot(moved.wrench.force, moved.normal) > 0)) continue;
-		scale(moved, factor * trust(way, m_settings.trustedModel));
+		multiply(moved, factor * trust(way, m_settings.trustedModel));
 		++m_touchingCount;
 	}
 }
@@ -369,7 +372,7 @@ void BulletDecoupledSource::weighContacts(double dt, double factor) noexcept
 		LinearContact& c = m_touching[std::size_t(i)];
 		const BulletLocalWorld::Body& body = m_local.body(c.b);
 		const double way = distance(body.spent.X_WB.translation, mirrored(c.b).X_WB.translation);
-		scale(c, factor * body.share * trust(way, m_settings.trustedWay));
+		multiply(c, factor * body.share * trust(way, m_settings.trustedWay));
 	}
 }
 

@@ -7,6 +7,7 @@
 
 #include "DeviceBridge/Bullet/BulletLocalWorld.h"
 #include "DeviceBridge/Bullet/BulletToolContacts.h"
+#include "DeviceBridge/Bullet/ToolStiffness.h"
 #include "DeviceBridge/Coupling/AdaptiveCoupling.h"
 #include "DeviceBridge/Coupling/CouplingSwitch.h"
 #include "DeviceBridge/Coupling/DeviceGains.h"
@@ -236,6 +237,7 @@ private:
 	int m_touchingCount = 0;
 	std::vector<int> m_contactOf;  // place of a slot's contact in the step's list; -1: none
 	std::vector<char> m_touched;
+	ToolStiffness m_stiffness;
 	std::uint64_t m_tick = 0, m_toolAnswers = 0;
 	ContactThreading m_lastTopology;
 

@@ -111,6 +111,7 @@ int BulletToolContacts::find(const ist::Pose& X_WT, const MirroredPair& pair, co
 		c.b = pair.slot;
 		c.epoch = body.epoch;
 		c.friction = body.friction;
+		c.restDepth = pair.restDepth;
 		c.volume = m_contact.patches[i].volume;
 		c.pairs = static_cast<int>(std::min<std::int64_t>(m_contact.patches[i].pairs, std::numeric_limits<int>::max()));
 	}

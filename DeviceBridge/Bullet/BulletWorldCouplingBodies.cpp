@@ -145,7 +145,9 @@ void BulletWorldCoupling::listPairs(Hand& hand, int slot, WorldSnapshot& out)
 	const std::vector<ToolPart>& tool = hand.source->toolParts();
 	bool lacks[4] = {};  // pair, model, tree, tree that fits
 	bool felt = false;
+	int bodyPart = -1;
 	forEachShapePart(registry, *object.getCollisionShape(), [&](const btCollisionShape& shape, const ist::Pose& X_BS) {
+		++bodyPart;
 		btVector3 low, high;
 		shape.getAabb(object.getWorldTransform() * toTransform(X_BS), low, high);
 		std::optional<ShapeModel> model;
@@ -163,6 +165,7 @@ void BulletWorldCoupling::listPairs(Hand& hand, int slot, WorldSnapshot& out)
 			MirroredPair& pair = out.pairs[std::size_t(out.pairCount++)];
 			pair.slot = slot;
 			pair.toolPart = static_cast<int>(i);
+			pair.bodyPart = bodyPart;
 			pair.tree = model->tree.get();
 			pair.field = model->field;
 			pair.X_BP = X_BS * model->X_SP;
@@ -188,10 +191,14 @@ void BulletWorldCoupling::setConstants(const Hand& hand, const btCollisionObject
 	const ist::AnyField& fieldB = toolIsA ? model.field : part.field;
 	pair.halfSpace = !pair.treeB && std::holds_alternative<ist::HalfSpaceField>(fieldB);
 	if (!pair.treeB) pair.volumeB = ist::fieldIn(fieldB)->volume();
+	// The rule asks a contact whether its surfaces press; here they will.
+	const bool flatB = pair.treeB ? !pair.treeB->surface.empty() : ist::fieldIn(fieldB)->isPlanar();
+	if (!pair.treeA->surface.empty() && flatB) pair.total.surfaceVolume = 1;
 	const btISTPairConstants constants = toolIsA ? m_rule.decide(pair, &tool, &body) : m_rule.decide(pair, &body, &tool);
 	out.k = constants.k;
 	out.toolWeight = toolIsA ? constants.weightA : constants.weightB;
 	out.dissipation = constants.dissipation;
+	out.restDepth = constants.load > 0 ? constants.depth : 0;
 }
 
 const char* BulletUnfeltBody::adviceFor(Reason reason)

@@ -21,6 +21,8 @@ MadeDevice makeSimulated(const std::string& rest)
 	const std::string fault = address.take("fault").value_or("");
 	const auto at = address.takeNumber("at", 0, 0, 1e6);
 	if (!at) return at.error();
+	const auto press = address.takeNumber("press", 0, 0, 1);
+	if (!press) return press.error();
 	auto profile = simulatedProfile(address.rest());
 	if (!profile) return profile.error();
 	profile.value().faultAt = at.value();
@@ -28,7 +30,9 @@ MadeDevice makeSimulated(const std::string& rest)
 	else if (fault == "frozen") profile.value().fault = SimulatedFault::FrozenPosition;
 	else if (fault == "early") profile.value().fault = SimulatedFault::ValidBeforeRead;
 	else if (!fault.empty()) return ist::Error{"The option fault=" + fault + " must be nan, frozen or early", false};
-	return MadeDevice(std::make_unique<SimulatedDevice>(std::move(profile).value()));
+	auto device = std::make_unique<SimulatedDevice>(std::move(profile).value());
+	if (press.value() > 0) device->setHand(handThrough({{1, {}}, {2, {{}, {0, -press.value(), 0}}}}));
+	return MadeDevice(std::move(device));
 }
 
 MadeDevice makeReplay(const std::string& path)

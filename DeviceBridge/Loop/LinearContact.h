@@ -22,7 +22,17 @@ struct LinearContact
 	ist::Pose X_WA, X_WB;                      ///< poses in which the contact was found
 	double volume = 0;                         ///< overlap volume [m^3]
 	int pairs = 0;                             ///< number of pairs of leaves
+	int pair = 0;                              ///< index of the pair of parts in the snapshot from which it was found
+	double restDepth = 0;                      ///< mean depth at which the contact shall rest [m]; 0: its stiffness was set
 };
+
+/// Changes the stiffness of a contact by `factor`.
+inline void multiply(LinearContact& c, double factor) noexcept
+{
+	c.wrench = factor * c.wrench;
+	for (double& k : c.stiffness.m) k *= factor;
+	for (double& d : c.damping.m) d *= factor;
+}
 
 /// Motion of A and B since a contact between them was found.
 struct ContactMotion

@@ -57,11 +57,12 @@ struct MirroredBody
 /// its tree, or the frame of its closed form.
 struct MirroredPair
 {
-	int slot = 0, toolPart = 0;
+	int slot = 0, toolPart = 0, bodyPart = 0;
 	const ist::InnerSphereTree* tree = nullptr;       ///< tree of the body's part, valid while the body has the slot; null: `field`
 	ist::AnyField field;                              ///< closed form of a part without a tree
 	ist::Pose X_BP;                                   ///< pose of the part in its body
 	double k = 0, toolWeight = 0.5, dissipation = 0;  ///< contact constants
+	double restDepth = 0;                             ///< LinearContact::restDepth
 };
 
 struct WorldSnapshot

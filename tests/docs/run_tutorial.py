@@ -4,15 +4,15 @@
 
 Each program of the page is built by the first ```sh block, and the last program by the other blocks, too.
 The library as part of the build is configured only, because consumer_game_add_subdirectory builds one. The assets are of two boxes.
-With TESTING, docs/testing.md, what that page says is built, too.
-Usage: run_tutorial.py PAGE PREFIX FOLDER [TESTING], PREFIX being where the library is installed, which the page calls ~/bullethaptics"""
+Further pages have a CMakeLists.txt and a program of their own, which are built and run, too.
+Usage: run_tutorial.py TUTORIAL PREFIX FOLDER [PAGE...], PREFIX being where the library is installed, which the page calls ~/bullethaptics"""
 import os
 import pathlib
 import re
 import subprocess
 import sys
 
-tutorial, prefix, folder, *testing = pathlib.Path(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3]), *map(pathlib.Path, sys.argv[4:])
+tutorial, prefix, folder, *pages = pathlib.Path(sys.argv[1]), sys.argv[2], pathlib.Path(sys.argv[3]), *map(pathlib.Path, sys.argv[4:])
 # The flags of pkg-config do not find shared libraries when a program runs.
 loader = {**os.environ, "LD_LIBRARY_PATH": f"{prefix}/lib"}
 FIND = "find_package(BulletHaptics 0.3 REQUIRED)\n"
@@ -72,10 +72,11 @@ if made != ["bunny.ist", "stairs.ist"]:
     sys.exit(f"{made}{told}")
 print("assets:", *made)
 
-for page in testing:
-    place = folder / "testing"
+for page in pages:
+    place = folder / page.stem
     place.mkdir()
     (place / "CMakeLists.txt").write_text(*blocks(page, "cmake"))
+    name = re.search(r"add_executable\((\w+)", blocks(page, "cmake")[0]).group(1)
     program = next(text for text in blocks(page, "cpp file") if BUNNY not in text or pathlib.Path(BUNNY).exists())
-    (place / "physics_tests.cpp").write_text(program)
-    print(last_line(run(commands[0].replace("build/first", "build/physics_tests"), place)))
+    (place / f"{name}.cpp").write_text(program)
+    print(last_line(run(commands[0].replace("build/first", f"build/{name}"), place)))

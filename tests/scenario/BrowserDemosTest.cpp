@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "demos/browser/catalog/DemoRun.h"
 #include "tests/EachDemo.h"
 
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 using namespace browser;
 
@@ -50,6 +53,41 @@ TEST_P(DemoFigures, AreAsPhysicsSays)
 	expectDrawable(list);
 }
 INSTANTIATE_TEST_SUITE_P(Demos, DemoFigures, testing::ValuesIn(demoCatalog()), testNameOf);
+
+/// A hand feels each demo of bodies: a simulated one presses its tool, or a ball above the highest body, by as much as the ball is wide.
+class DemoHand : public testing::TestWithParam<DemoEntry>
+{};
+TEST_P(DemoHand, TouchesABodyOrSaysWhyItCannot)
+{
+	const auto demo = GetParam().make();
+	DemoOptions options;
+	options.cache = TREE_FOLDER;
+	ASSERT_FALSE(demo->prepare(options));
+	ASSERT_FALSE(demo->restart());
+	auto device = devicebridge::DeviceRegistry().open("sim:sigma7?press=0.02");
+	ASSERT_TRUE(device) << device.error().message;
+	const auto refused = demo->feelWith(*device.value(), 3 * demo->viewpoint().distance);
+	if (!dynamic_cast<WorldDemo*>(demo.get()))
+	{
+		ASSERT_TRUE(refused);
+		EXPECT_EQ(refused->message, "this demo has no world of bodies that a hand could feel");
+		return;
+	}
+	ASSERT_FALSE(refused) << refused->message;
+	const auto touches = [&] {
+		return demo->felt().find("felt at 1 kHz, touches ") == 0 && demo->felt().find("touches 0") == std::string::npos;
+	};
+	for (int picture = 0; picture < 1800 && !touches(); ++picture)
+	{
+		demo->step(1.0 / 60);
+		std::this_thread::sleep_for(std::chrono::microseconds(16667));
+	}
+	EXPECT_TRUE(touches()) << demo->felt();
+	demo->stopFeeling();
+	EXPECT_TRUE(demo->felt().empty());
+	demo->step(demo->stepSize());
+}
+INSTANTIATE_TEST_SUITE_P(Demos, DemoHand, testing::ValuesIn(demoCatalog()), testNameOf);
 
 /// Each demo is run with its parameters at both ends, and with a hand that grabs what it meets.
 class DemoUse : public testing::TestWithParam<DemoEntry>

@@ -38,6 +38,8 @@ public:
 	explicit SimulatedDevice(SimulatedProfile profile);
 
 	void setHand(HandScript script) { m_script = std::move(script); }
+	/// Whether the hand has a script.
+	bool isLed() const { return m_script != nullptr; }
 	/// Puts handle and hand at rest at a pose. Without a script the hand stays there.
 	void place(const ist::Pose& X_WH);
 	/// The pose without quantisation.

@@ -141,11 +141,13 @@ public:
 	virtual std::optional<double> grab(const ist::Vec3& /*from*/, const ist::Vec3& /*direction*/) { return std::nullopt; }
 	/// Grabs the body that a device should move, unless one is held already. Returns false when there is none.
 	virtual bool grabTool() { return false; }
-	/// From now on, until `restart`, a hand at the device feels the demo's tool by a thread of its own (ForceHand). The device must outlive
-	/// this. Refused, with the reason: a demo without a tool, and what ForceHand::make refuses.
+	/// From now on, until `restart`, a hand at the device feels the demo's tool, or a ball where it has none, by a thread of its own
+	/// (ForceHand). The device must outlive this. Refused, with the reason: a demo without a world of bodies, two halves, and what
+	/// ForceHand::make refuses.
 	virtual std::optional<ist::Error> feelWith(devicebridge::Device& /*device*/, double /*scale*/)
 	{
-		return ist::Error{"this demo has no tool that a hand could feel; bunny and crown have one"};
+		return ist::Error{halves().empty() ? "this demo has no world of bodies that a hand could feel"
+										   : "beside stock Bullet a hand feels nothing: show the demo alone"};
 	}
 	/// Ends that: the tool is in the world again, and the device is at zero.
 	virtual void stopFeeling() {}

@@ -151,6 +151,15 @@ btRigidBody* DemoWorld::addShape(std::unique_ptr<btCollisionShape> shape, Mesh m
 	return enter(std::move(made), setup, mass, inertia, setup.X_WM);
 }
 
+void DemoWorld::remove(const btRigidBody* body)
+{
+	const auto found = std::find_if(m_bodies.begin(), m_bodies.end(), [&](const Body& b) { return b.body.get() == body; });
+	if (found == m_bodies.end()) return;
+	bullet().removeRigidBody(found->body.get());
+	if (m_volumetric) m_volumetric->materials().remove(body);
+	m_bodies.erase(found);
+}
+
 void DemoWorld::addConstraint(std::unique_ptr<btTypedConstraint> constraint)
 {
 	bullet().addConstraint(constraint.get());

@@ -80,6 +80,8 @@ public:
 	btRigidBody* add(const SolidPtr& solid, BodySetup setup);
 	/// Adds one of Bullet's shapes, drawn as `mesh`.
 	btRigidBody* addShape(std::unique_ptr<btCollisionShape> shape, ist::Mesh mesh, BodySetup setup);
+	/// Removes a body that was added and has no constraint.
+	void remove(const btRigidBody* body);
 	/// Adds a constraint; the world owns it from then on.
 	void addConstraint(std::unique_ptr<btTypedConstraint> constraint);
 

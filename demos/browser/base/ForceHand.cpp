@@ -75,14 +75,14 @@ ForceHand::ForceHand(Device& device, DemoWorld& world, btRigidBody& tool, const 
 	  m_device(device, X_WH, toPose(tool.getWorldTransform()), scale),
 	  m_source(*world.volumetric(), tool, m_clock, settingsFor(m_device.info(), say)),
 	  m_coupling(*world.volumetric()),
-	  m_shown{toPose(tool.getWorldTransform()), {}},
+	  m_shown{toPose(tool.getWorldTransform()), {}, 0},
 	  m_thread(m_device, m_source, m_clock)
 {
 	m_world.bullet().removeRigidBody(&m_tool);
 	m_coupling.add(m_source);
 	m_coupling.show(kStep);
 	m_thread.onHapticTick.addDelegate([this](const DeviceState&, const Wrench&) {
-		m_published.writable() = {m_thread.step().tool.X_WT, m_thread.sentWrench().force};
+		m_published.writable() = {m_thread.step().tool.X_WT, m_thread.sentWrench().force, m_thread.step().contactCount};
 		m_published.publish();
 	});
 }

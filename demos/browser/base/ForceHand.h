@@ -51,6 +51,8 @@ public:
 	void afterStep();
 	/// Newest force on the hand as the world feels it, before the scale [N], in World.
 	const ist::Vec3& force() const { return m_shown.force; }
+	/// Number of bodies that the tool touches.
+	int contacts() const { return m_shown.contacts; }
 	/// What the hand does and why it feels nothing, in words: "felt at 1 kHz", "no force: the device is lost".
 	std::string state() const;
 	std::uint64_t ticks() const { return m_thread.ticks(); }
@@ -60,6 +62,7 @@ private:
 	{
 		ist::Pose X_WT;
 		ist::Vec3 force;
+		int contacts = 0;
 	};
 	ForceHand(devicebridge::Device& device, DemoWorld& world, btRigidBody& tool, const ist::Pose& X_WH, double scale,
 		const devicebridge::AssumptionListener& say);

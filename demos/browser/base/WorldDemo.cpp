@@ -2,6 +2,7 @@
 #include "demos/browser/base/WorldDemo.h"
 
 #include "BulletHapticForce/World/btISTSceneReport.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 #include "demos/browser/base/SceneSaver.h"
 
@@ -15,6 +16,9 @@ namespace browser
 namespace
 {
 constexpr size_t kMostSamples = 600;
+constexpr double kBallPerView = 0.03;  // radius of the ball of a hand that feels, over the distance of the camera
+constexpr long long kBallSpheres = 500;
+constexpr double kBallFrequency = 100;  // root of the coupling's stiffness over the mass of this ball [rad/s]
 
 void append(std::vector<float>& line, double value)
 {
@@ -56,6 +60,7 @@ std::optional<Error> WorldDemo::restart()
 {
 	m_hand.release();
 	m_forces.reset();
+	m_ball = nullptr;
 	leave();
 	m_parts.clear();
 	m_time = m_nextSample = 0;
@@ -94,7 +99,48 @@ std::optional<Error> WorldDemo::feel(devicebridge::Device& device, btRigidBody& 
 	return std::nullopt;
 }
 
-std::string WorldDemo::felt() const { return m_forces ? m_forces->state() + ", " + formatForce(norm(m_forces->force())) : std::string(); }
+std::optional<Error> WorldDemo::feelWith(devicebridge::Device& device, double scale)
+{
+	if (m_parts.empty()) return Error{"the demo has not begun"};
+	stopFeeling();
+	const double radius = kBallPerView * viewpoint().distance / m_parts.front().zoom;
+	SolidPtr ball;
+	if (auto refused = makeSolid(ball, "ball of the hand", makeSphereMesh(radius, 3), kBallSpheres, {})) return refused;
+	btVector3 top = toBullet(viewpoint().target);
+	for (const DemoWorld::Body& b : world().bodies())
+	{
+		btVector3 lower, upper;
+		b.body->getAabb(lower, upper);
+		if (&b == &world().bodies().front() || upper.y() > top.y()) top = btScalar(0.5) * (lower + upper), top.setY(upper.y());
+	}
+	// Light, so that the coupling of this device moves it at once.
+	devicebridge::DeviceInfo limits = device.info();
+	scaleLimits(limits, scale);
+	BodySetup setup;
+	setup.name = ball->name;
+	setup.mass = devicebridge::gainsForDevice(limits, 1e-3).stiffness / (kBallFrequency * kBallFrequency);
+	setup.colour = {0.85f, 0.65f, 0.2f};
+	setup.X_WM.translation = toVec3(top) + Vec3{0, 1.5 * radius, 0};
+	m_ball = world().add(ball, std::move(setup));
+	if (!m_ball) return world().error();
+	auto refused = feel(device, *m_ball, scale);
+	if (refused) stopFeeling();
+	return refused;
+}
+
+void WorldDemo::stopFeeling()
+{
+	m_forces.reset();
+	if (m_ball) world().remove(m_ball);
+	m_ball = nullptr;
+}
+
+std::string WorldDemo::felt() const
+{
+	if (!m_forces) return {};
+	const std::string bodies = std::to_string(m_forces->contacts());
+	return m_forces->state() + ", touches " + bodies + (bodies == "1" ? " body, " : " bodies, ") + formatForce(norm(m_forces->force()));
+}
 
 void WorldDemo::sample()
 {

@@ -34,7 +34,9 @@ public:
 	void drag(const ist::Vec3& shift, const ist::Vec3& turn) override { m_hand.move(shift, turn); }
 	void release() override { m_hand.release(); }
 	void keepAwake(bool on) override;
-	void stopFeeling() override { m_forces.reset(); }
+	/// The hand feels a ball above the highest body, which is there as long as it is felt.
+	std::optional<ist::Error> feelWith(devicebridge::Device& device, double scale) override;
+	void stopFeeling() override;
 	std::string felt() const override;
 
 protected:
@@ -78,6 +80,7 @@ private:
 
 	std::vector<Part> m_parts;
 	std::unique_ptr<ForceHand> m_forces;  // of the first world; null: no device feels
+	btRigidBody* m_ball = nullptr;        // of a hand that feels a demo without a tool, in the first world
 	HandPull m_hand;
 	ContactView m_view;
 	DrawList m_one;

@@ -39,7 +39,7 @@ public:
 			floor += world().contactForce(b.body.get(), m_floor);
 		}
 		return {{"force on the floor", "N", floor.y, mass * kGravity, 0.01 * mass * kGravity}, {"fastest body", "m/s", fastest, 0, 0.02},
-			{"height of the knot", "m", double(world().bodies().back().body->getWorldTransform().getOrigin().y())}};
+			{"height of the knot", "m", double(world().bodies()[kRings].body->getWorldTransform().getOrigin().y())}};
 	}
 
 protected:

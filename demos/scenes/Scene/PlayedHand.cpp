@@ -84,6 +84,7 @@ std::optional<Error> openWithOptions(const SceneHand& scene, const Pose& X_MP, P
 	while (auto* decorator = dynamic_cast<DeviceDecorator*>(innermost)) innermost = &decorator->inner();
 	auto* simulated = dynamic_cast<SimulatedDevice*>(innermost);
 	if (!simulated) return at(scene.devicePlace, "a simulated device with these options follows no path: " + scene.device);
+	if (simulated->isLed()) return at(scene.devicePlace, "a simulated device that presses follows no path: leave out press, or the path");
 	followPath(scene, X_MP, hand.X_BW, *simulated);
 	hand.device = std::make_unique<TimedDevice>(std::make_unique<ScriptedButtons>(std::move(hand.device), scene.path));
 	hand.gains = gainsForDevice(hand.device->info(), kSceneTick, printAssumed);

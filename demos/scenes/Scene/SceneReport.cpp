@@ -33,6 +33,8 @@ double period(const SceneTick& t) { return t.period; }
 double processor(const SceneTick& t) { return t.threadMicroseconds; }
 double pairs(const SceneTick& t) { return static_cast<double>(std::max(t.pairs, t.answer.pairs)); }
 
+double lastForce(const SceneHandRun& o) { return o.ticks.empty() ? 0 : norm(o.ticks.back().wrench.force); }
+
 double mean(const std::vector<double>& values)
 {
 	double sum = 0;
@@ -69,14 +71,17 @@ void addRows(const SceneOutcome& o, const SceneHandRun& hand, const std::string&
 	rows.push_back({of + "Device", hand.device, ""});
 	rows.push_back({of + "Ticks", number(uint64_t(hand.ticks.size())), ""});
 	rows.push_back({of + "Force on the hand, largest", number(hand.maxForce), "N"});
+	rows.push_back({of + "Force on the hand, at the end", number(lastForce(hand)), "N"});
 	rows.push_back({of + "Intersecting pairs, most", number(quantile(valuesOf(hand, pairs), 1), 6), ""});
 	if (!o.virtualTime)
 	{
 		rows.push_back({of + "Rate, mean", number(1 / std::max(1e-9, mean(periods)), 4), "Hz"});
+		rows.push_back({of + "Period, median", number(1e3 * quantile(periods, 0.5)), "ms"});
 		rows.push_back({of + "Period, 99.9th percentile", number(1e3 * quantile(periods, 0.999)), "ms"});
 		const bool shared = o.hands.size() > 1 && o.scene.topology == SceneTopology::OneThread;
 		const std::string tick = of + "Processor time of a tick" + (shared ? " of all hands" : "");
 		rows.push_back({tick + ", mean", number(mean(valuesOf(hand, processor))), "us"});
+		rows.push_back({tick + ", median", number(quantile(valuesOf(hand, processor), 0.5)), "us"});
 		rows.push_back({tick + ", 99.9th percentile", number(quantile(valuesOf(hand, processor), 0.999)), "us"});
 		rows.push_back({of + "Overruns", number(hand.overruns), ""});
 	}
@@ -123,9 +128,10 @@ JsonValue jsonOf(const SceneOutcome& o, const SceneHandRun& hand)
 	using Json = JsonValue;
 	const std::vector<double> periods = valuesOf(hand, period);
 	Json json = {{"hand", hand.name}, {"device", hand.device}, {"ticks", hand.ticks.size()}, {"max_force_n", hand.maxForce},
-		{"max_pairs", static_cast<int64_t>(quantile(valuesOf(hand, pairs), 1))}, {"overruns", hand.overruns},
-		{"device_errors", hand.deviceErrors}, {"world_steps", hand.worldSteps}, {"refused_queries", hand.refusedQueries},
-		{"faulted", hand.faulted}, {"safety_changes", hand.safety.total()}, {"memory", hand.memory}, {"scheduling", hand.scheduling}};
+		{"last_force_n", lastForce(hand)}, {"max_pairs", static_cast<int64_t>(quantile(valuesOf(hand, pairs), 1))},
+		{"overruns", hand.overruns}, {"device_errors", hand.deviceErrors}, {"world_steps", hand.worldSteps},
+		{"refused_queries", hand.refusedQueries}, {"faulted", hand.faulted}, {"safety_changes", hand.safety.total()},
+		{"memory", hand.memory}, {"scheduling", hand.scheduling}};
 	json["rate_hz"] = o.virtualTime || periods.empty() ? Json() : Json(1 / mean(periods));
 	json["period_p999_s"] = o.virtualTime ? Json() : Json(quantile(periods, 0.999));
 	json["tick_thread_p999_us"] = o.virtualTime ? Json() : Json(quantile(valuesOf(hand, processor), 0.999));

@@ -52,6 +52,17 @@ assert r['schema'] == 1 and r['economy'] == ('$economy' != 'off') and r['queries
 assert (r['kept'] > 0) == ('$economy' != 'off'), r
 " || failures=$((failures + 1))
 done
+expect "a value in place of a scene's" 0 "" "$demos" --scene "$dir/good.json" --set duration=0.1 --set topology=contact-in-tick --virtual-time --cache "" --json
+python3 -c "
+import json
+r = json.load(open('$dir/out'))
+assert r['ticks'] == 100 and r['topology'] == 'contact-in-tick' and r['last_force_n'] == 0, r
+" || failures=$((failures + 1))
+expect "a value without a field" 2 "--set wants FIELD=VALUE, not duration" "$demos" --scene "$dir/good.json" --set duration
+expect "a field that is not there" 1 "hands" "$demos" --scene "$dir/good.json" --set "hands[0].device=sim:touch"
+expect "a hand that presses and has a path" 1 "leave out press, or the path" "$demos" --scene "$dir/good.json" --cache "" \
+	--set 'hand.device=sim:touch?press=0.01' --set 'hand.path=[{"time":0,"position":[0,0,0]}]'
+expect "a value for a demo" 2 "--set goes with --scene" "$demos" --demo hello --set duration=1
 expect "a good scene runs" 0 "" "$demos" --scene "$dir/good.json" --virtual-time --cache "" --json
 python3 -c "
 import json, sys

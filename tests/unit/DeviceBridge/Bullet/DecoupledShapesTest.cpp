@@ -5,12 +5,14 @@
 #include "tests/unit/CountingAllocator.h"
 #include "tests/unit/DeviceBridge/Bullet/DecoupledRig.h"
 
+#include "BulletCollision/CollisionShapes/btBvhTriangleMeshShape.h"
 #include "BulletCollision/CollisionShapes/btCapsuleShape.h"
 #include "BulletCollision/CollisionShapes/btCompoundShape.h"
 #include "BulletCollision/CollisionShapes/btConeShape.h"
 #include "BulletCollision/CollisionShapes/btConvexHullShape.h"
 #include "BulletCollision/CollisionShapes/btCylinderShape.h"
 #include "BulletCollision/CollisionShapes/btHeightfieldTerrainShape.h"
+#include "BulletCollision/CollisionShapes/btTriangleMesh.h"
 
 #include <gtest/gtest.h>
 
@@ -139,6 +141,7 @@ struct Case
 					  ///< cylinders wobble [kg]
 	bool compoundTool = false;
 	double dissipation = 2;  ///< [s/m]
+	double stiffness = 2e7;  ///< [Pa/m]; 0: not set
 	bool treeOfTool = true;  ///< otherwise the body has a tree and the tool none
 	double rate = 60;        ///< steps of the world in decoupled mode [Hz]
 	ContactThreading threading = ContactThreading::InHapticThread;
@@ -168,7 +171,7 @@ Forces inOneThread(const Shape& s, const Case& c)
 	const std::unique_ptr<btRigidBody> table = bodyOf(attached.tableShape, 0, {0, -0.08, 0}), body = bodyOf(*s.shape, mass, {});
 	btRigidBody held(Hand::info(tool.shape(), startAbove(s)));
 	for (const btRigidBody* b : {table.get(), body.get(), &held})
-		if (world.materials().set(b, {2e7, c.dissipation})) throw std::runtime_error("material");
+		if (world.materials().set(b, {c.stiffness, c.dissipation})) throw std::runtime_error("material");
 	if (mass > 0) world.bullet().addRigidBody(table.get());
 	world.bullet().addRigidBody(body.get());
 	world.bullet().addRigidBody(&held);
@@ -188,12 +191,12 @@ Forces decoupled(const Shape& s, const Case& c)
 	if (mass > 0) rig.add(attached.tableShape, 0, {0, -0.08, 0}, 0.5);
 	rig.add(*s.shape, mass, {}, 0.5);
 	for (const auto& b : rig.bodies)
-		if (rig.world.materials().set(b.get(), {2e7, c.dissipation})) throw std::runtime_error("material");
+		if (rig.world.materials().set(b.get(), {c.stiffness, c.dissipation})) throw std::runtime_error("material");
 	BulletDecoupledSettings settings = handSettings();
 	settings.topology = c.threading;
 	rig.hands.push_back(std::make_unique<Hand>(rig.world, tool.shape(), rig.clock, startAbove(s), settings));
 	Hand& hand = *rig.hands.back();
-	if (rig.world.materials().set(&hand.body, {2e7, c.dissipation})) throw std::runtime_error("material");
+	if (rig.world.materials().set(&hand.body, {c.stiffness, c.dissipation})) throw std::runtime_error("material");
 	rig.coupling.add(hand.source);
 	hand.script = pressAndSlide;
 	Forces forces;
@@ -264,6 +267,27 @@ TEST(DecoupledShapes, AShapeOnATableFeelsAsInOneThread)
 			EXPECT_GT(d.force, 0.5) << name;
 			EXPECT_LT(d.atRest, 0.02) << name << rate;
 			EXPECT_LT(d.sliding, 0.1) << name << rate;
+		}
+}
+
+// With nothing set, the stiffness follows what presses. Otherwise the ball sinks into a box by up to 4 mm.
+TEST(DecoupledShapes, WithNothingSetAShapeFeelsAsInOneThread)
+{
+	for (const double mass : {0.0, 1.0})
+		for (const char* name : {"box", "sphere", "capsule", "cylinder", "compound"})
+		{
+			if (mass > 0 && std::string(name) != "box") continue;
+			const Shape s = shapeOf(name);
+			Case c;
+			c.mass = mass;
+			c.stiffness = 0;
+			c.dissipation = -1;
+			const Difference d = compare(inOneThread(s, c), decoupled(s, c));
+			std::printf("%s with nothing set, %s: %.2f N, at rest within %.2f %%, sliding within %.2f %%\n", name,
+				mass > 0 ? "on a table" : "fixed", d.force, 100 * d.atRest, 100 * d.sliding);
+			EXPECT_GT(d.force, 0.5) << name;
+			EXPECT_LT(d.atRest, 0.02) << name;
+			EXPECT_LT(d.sliding, 0.1) << name;
 		}
 }
 
@@ -372,12 +396,21 @@ TEST(DecoupledShapes, ATickDoesNotAllocate)
 
 namespace
 {
-/// A level heightfield of 0.4 m x 0.4 m whose surface is at y = 0.
+/// Level ground of 0.4 m x 0.4 m whose surface is at y = 0: a heightfield, and a triangle mesh.
 struct LevelGround
 {
 	std::vector<float> heights = std::vector<float>(25, 0.0f);
-	btHeightfieldTerrainShape shape{5, 5, heights.data(), btScalar(0), btScalar(0), 1, false};
-	LevelGround() { shape.setLocalScaling(btVector3(btScalar(0.1), 1, btScalar(0.1))); }
+	btHeightfieldTerrainShape field{5, 5, heights.data(), btScalar(0), btScalar(0), 1, false};
+	btTriangleMesh triangles;
+	std::unique_ptr<btBvhTriangleMeshShape> mesh;
+	LevelGround()
+	{
+		field.setLocalScaling(btVector3(btScalar(0.1), 1, btScalar(0.1)));
+		const btVector3 corners[] = {bullet({-0.2, 0, -0.2}), bullet({-0.2, 0, 0.2}), bullet({0.2, 0, 0.2}), bullet({0.2, 0, -0.2})};
+		triangles.addTriangle(corners[0], corners[1], corners[2]);
+		triangles.addTriangle(corners[0], corners[2], corners[3]);
+		mesh = std::make_unique<btBvhTriangleMeshShape>(&triangles, true);
+	}
 };
 
 /// The force that a hand feels whose ball is pressed 3 mm deep into a static body, at rest [N].
@@ -391,30 +424,33 @@ Vec3 forceOnBall(DecoupledRig& rig, btCollisionShape& shape)
 }
 }  // namespace
 
-// Without a tree a heightfield is not felt. With that of a tree source it feels as a half-space does.
+// Without a tree a heightfield or a triangle mesh is not felt. With that of a tree source it feels as a half-space does.
 TEST(DecoupledShapes, GroundIsFeltByItsTree)
 {
 	LevelGround ground;
-	DecoupledRig without(60);
-	btRigidBody* body = without.add(ground.shape, 0, {});
-	without.addHand({0.013, kBallRadius + 0.002, 0.021});
-	without.run(0.1);
-	ASSERT_TRUE(findUnfelt(without.coupling, body));
-	EXPECT_EQ(findUnfelt(without.coupling, body)->reason, BulletUnfeltBody::NoModel);
+	for (btCollisionShape* shape : {static_cast<btCollisionShape*>(&ground.field), static_cast<btCollisionShape*>(ground.mesh.get())})
+	{
+		DecoupledRig without(60);
+		btRigidBody* body = without.add(*shape, 0, {});
+		without.addHand({0.013, kBallRadius + 0.002, 0.021});
+		without.run(0.1);
+		ASSERT_TRUE(findUnfelt(without.coupling, body)) << shape->getName();
+		EXPECT_EQ(findUnfelt(without.coupling, body)->reason, BulletUnfeltBody::NoModel);
 
-	DecoupledRig with(60), plane(60);
-	btISTTreeSettings settings;
-	settings.build.maxSpheres = 300;
-	settings.cacheFolder = TREE_FOLDER;
-	btISTTreeSource trees(with.world.registration().registry(), settings);
-	const btISTPendingAttachment tree = trees.attach(&ground.shape);
-	trees.finish();
-	ASSERT_TRUE(tree.isAttached()) << tree.error();
-	const Vec3 felt = forceOnBall(with, ground.shape), expected = forceOnBall(plane, plane.planeShape);
-	EXPECT_TRUE(with.coupling.unfelt().empty()) << with.coupling.unfeltReport({});
-	EXPECT_GT(expected.y, 1);
-	EXPECT_NEAR(felt.y, expected.y, 0.05 * expected.y);
-	EXPECT_LT(std::hypot(felt.x, felt.z), 0.02 * expected.y);
+		DecoupledRig with(60), plane(60);
+		btISTTreeSettings settings;
+		settings.build.maxSpheres = 300;
+		settings.cacheFolder = TREE_FOLDER;
+		btISTTreeSource trees(with.world.registration().registry(), settings);
+		const btISTPendingAttachment tree = trees.attachGround(shape);
+		trees.finish();
+		ASSERT_TRUE(tree.isAttached()) << tree.error();
+		const Vec3 felt = forceOnBall(with, *shape), expected = forceOnBall(plane, plane.planeShape);
+		EXPECT_TRUE(with.coupling.unfelt().empty()) << with.coupling.unfeltReport({});
+		EXPECT_GT(expected.y, 1);
+		EXPECT_NEAR(felt.y, expected.y, 0.05 * expected.y) << shape->getName();
+		EXPECT_LT(std::hypot(felt.x, felt.z), 0.02 * expected.y);
+	}
 }
 
 TEST(DecoupledShapes, AHandThatIsAddedTwiceIsOneHand)

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "DeviceBridge/Decorators/DeviceDecorator.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
 
@@ -143,6 +145,25 @@ TEST(DeviceRegistry, ASimulatedDeviceShowsAFaultThatItsAddressNames)
 	const auto unknown = registry.open("sim:touch?fault=broken");
 	ASSERT_FALSE(unknown);
 	EXPECT_NE(unknown.error().message.find("must be nan, frozen or early"), std::string::npos);
+}
+
+// Without a force the handle comes to where the hand wants it; its spring has a time constant of 0.05 s.
+TEST(DeviceRegistry, TheHandOfASimulatedDevicePressesDownAsItsAddressSays)
+{
+	DeviceRegistry registry;
+	DeviceState state;
+	auto device = registry.open("sim:inverse3?press=0.03");
+	ASSERT_TRUE(device) << device.error().message;
+	const auto heightAt = [&](double end) {
+		static std::int64_t now = 0;
+		for (; now <= std::llround(1e9 * end); now += 1'000'000) EXPECT_EQ(device.value()->read(now, state), DeviceStatus::Ok);
+		return state.X_WH.translation.y;
+	};
+	EXPECT_EQ(heightAt(1), 0);
+	EXPECT_NEAR(heightAt(1.5), -0.015, 0.002);
+	EXPECT_NEAR(heightAt(3), -0.03, 1e-5);
+	EXPECT_FALSE(registry.open("sim:inverse3?press=-1"));
+	EXPECT_FALSE(registry.open("sim:inverse3?press=much"));
 }
 
 namespace
