@@ -32,14 +32,14 @@ void print(const MotionFindings& found)
 	std::fflush(stdout);
 }
 
-double medianGain(const std::vector<MotionFindings>& all, size_t tolerance, double MotionGain::*gain)
+MedianGain medianGain(const std::vector<MotionFindings>& all, size_t tolerance, double MotionGain::*gain)
 {
 	std::vector<double> values;
 	for (const MotionFindings& f : all)
 		if (f.entry.hasEvents && f.gains[tolerance].*gain > 0) values.push_back(f.gains[tolerance].*gain);
-	if (values.empty()) return 0;
+	if (values.empty()) return {};
 	std::sort(values.begin(), values.end());
-	return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
+	return {0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]), values.size()};
 }
 
 void printGains(const std::vector<MotionFindings>& all)
@@ -54,8 +54,9 @@ void printGains(const std::vector<MotionFindings>& all)
 	}
 	std::printf("  %-14s", "median, events");
 	for (size_t i = 0; i < kTolerances.size(); ++i)
-		std::printf("  %7.0e:          %4.2f %4.2f %4.2f", kTolerances[i], medianGain(all, i, &MotionGain::byCount),
-			medianGain(all, i, &MotionGain::bySeconds), medianGain(all, i, &MotionGain::byVelocity));
+		std::printf("  %7.0e: %2zu scenes %4.2f %4.2f %4.2f", kTolerances[i], medianGain(all, i, &MotionGain::byCount).scenes,
+			medianGain(all, i, &MotionGain::byCount).median, medianGain(all, i, &MotionGain::bySeconds).median,
+			medianGain(all, i, &MotionGain::byVelocity).median);
 	std::printf("\n");
 }
 }  // namespace bench
