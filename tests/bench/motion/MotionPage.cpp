@@ -63,13 +63,19 @@ void addSummary(scenes::HtmlReport& page, const std::vector<MotionFindings>& all
 	for (const MotionFindings& f : all)
 		for (const MotionRow& r : f.rows)
 			if (r.queryError >= 0 && r.settings.rate >= 240) ++pairs, changed += r.queryError > 0, most = std::max(most, r.queryError);
-	page.paragraph("Steps err, and queries hardly do: of " + std::to_string(pairs) +
-		" runs from 240 Hz on that accept a force error of 5 % or 20 %, " + std::to_string(changed) +
-		" move otherwise than with the finest "
-		"queries, by at most " +
-		shownError(most) +
-		" of a body. Contact of bodies that rest, slide or strike is shallow. There surfaces "
-		"answer, and a coarser level would take no less time.");
+	const std::string moved = changed == 0
+		? "each moves exactly as with the finest queries."
+		: std::to_string(changed) + " move otherwise than with the finest queries, by at most " + shownError(most) + " of a body.";
+	page.paragraph("Steps err, and queries hardly do. Of " + std::to_string(pairs) +
+		" runs from 240 Hz on that accept a force error of 5 % or 20 %, " + moved +
+		" Contact of bodies that rest, slide or strike is shallow. There surfaces answer, and no coarser level would take less time.");
+	std::string lost;
+	for (const MotionFindings& f : all)
+		if (const MotionRow* row = f.row(Contact::Given, 60); row && row->error > 1)
+			lost += (lost.empty() ? "" : ", ") + std::string(f.entry.name);
+	if (!lost.empty())
+		page.paragraph(
+			"With materials given, these scenes end more than the size of a body from where they should in steps of 60 Hz: " + lost + ".");
 	page.paragraph(
 		"The error falls in proportion to the step, with two exceptions. Bodies that bounce lose speed to the implicit step, "
 		"about exp(-pi h omega / 2) in each impact, where omega is the frequency of the contact: their error is large until h omega "
@@ -234,9 +240,9 @@ void addGains(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)
 		"For each tolerance the best fixed step is compared with the best step at each moment, chosen in hindsight: each interval "
 		"between two checkpoints takes the run that costs least, so that the errors added in all intervals sum up to the tolerance. "
 		"The error that a run adds in an interval is the change of its distance from the true motion, as a vector; for the fixed "
-		"step it is summed alike. The tolerance is a share of the body for each second, times the growth of a perturbation. The table has "
-		"the ratio of the two costs, in steps and queries. It is more than any control of "
-		"the step can save, since nobody knows the runs beforehand.");
+		"step it is summed alike. The tolerance is a share of the body for each second, times the growth of a perturbation. "
+		"Tolerances that would allow more than a whole body are left out. The table has the ratio of the two costs, in steps and queries. "
+		"It estimates the most that a control of the step could save, because no control knows the runs beforehand.");
 	std::vector<std::string> head = {"scene", "events"};
 	for (const double tolerance : kTolerances) head.push_back("within " + formatNumber(tolerance));
 	Table rows;
@@ -259,6 +265,16 @@ void addGains(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)
 	median("median of scenes with events", &MotionGain::byCount);
 	median("the same by processor time", &MotionGain::bySeconds);
 	median("the same, velocities charged", &MotionGain::byVelocity);
+	std::vector<std::string> fixed = {"median of their best fixed steps", "yes"};
+	for (size_t i = 0; i < kTolerances.size(); ++i)
+	{
+		std::vector<int> rates;
+		for (const MotionFindings& f : all)
+			if (f.entry.hasEvents && f.gains[i].byCount > 0) rates.push_back(f.gains[i].rate);
+		std::sort(rates.begin(), rates.end());
+		fixed.push_back(rates.empty() ? "-" : hertz(rates[rates.size() / 2]));
+	}
+	rows.push_back(std::move(fixed));
 	page.table(head, rows);
 	page.paragraph("An error of velocity that an impact makes shows in later poses. The last row charges it to the interval that makes it: "
 				   "with the change of velocity times the time that is left.");

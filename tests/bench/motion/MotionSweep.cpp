@@ -108,7 +108,7 @@ std::vector<MotionGain> gainsOf(
 		gain.tolerance = tolerance;
 		gain.allowed = tolerance * truth.until * truth.growth.judged;
 		gains.push_back(gain);
-		if (truth.convergence > 0.5 * gain.allowed) continue;
+		if (truth.convergence > 0.5 * gain.allowed || gain.allowed > 1) continue;
 		const auto byCount = hindsight(runs, reference, gain.allowed, count, ErrorCharge::Pose);
 		gain.byCount = ratio(byCount);
 		if (byCount) gain.rate = rates[byCount->fixed];
