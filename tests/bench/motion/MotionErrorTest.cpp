@@ -31,7 +31,7 @@ public:
 	}
 	MotionRun run(int rate, Contact contact = Contact::Given, bool isFlightExact = false) const
 	{
-		Result<MotionRun> made = runMotion(*m_scene, m_entry.seconds, {contact, rate, 0, 0, isFlightExact});
+		Result<MotionRun> made = runMotion(*m_scene, m_entry.seconds, {contact, rate, 0, 0, isFlightExact, 0});
 		EXPECT_TRUE(made) << made.error().message;
 		return std::move(made).value();
 	}

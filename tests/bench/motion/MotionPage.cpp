@@ -55,20 +55,27 @@ void addSummary(scenes::HtmlReport& page, const std::vector<MotionFindings>& all
 			shownError(medianError(all, Contact::Default, rate)), std::to_string(countWithin(all, Contact::Default, rate, 0.1)),
 			std::to_string(countWithin(all, Contact::Default, rate, 0.01))});
 	page.paragraph("The motion of " + std::to_string(all.size()) +
-		" scenes, compared with what it would be in steps of no length. The table has the median of the scenes' errors, as a share of the "
-		"body's size, and the number of scenes within 0.1 and within 0.01.");
+		" scenes, compared with what it would be in steps of no length. The table has the median of the errors, as a share of the "
+		"body's size, and the number of scenes within 0.1 and 0.01.");
 	page.table({"steps", "materials given: median", "within 0.1", "within 0.01", "nothing set: median", "within 0.1", "within 0.01"}, rows);
 	double most = 0;
 	size_t pairs = 0, changed = 0;
 	for (const MotionFindings& f : all)
 		for (const MotionRow& r : f.rows)
-			if (r.queryError >= 0 && r.settings.rate >= 240) ++pairs, changed += r.queryError > 0, most = std::max(most, r.queryError);
+			if (r.queryError >= 0 && r.settings.spheres == 0 && r.settings.rate >= 240)
+				++pairs, changed += r.queryError > 0, most = std::max(most, r.queryError);
 	const std::string moved = changed == 0
-		? "each moves exactly as with the finest queries."
+		? "each moves as with the finest queries, exactly."
 		: std::to_string(changed) + " move otherwise than with the finest queries, by at most " + shownError(most) + " of a body.";
-	page.paragraph("Steps err, and queries hardly do. Of " + std::to_string(pairs) +
-		" runs from 240 Hz on that accept a force error of 5 % or 20 %, " + moved +
+	page.paragraph("The tolerance of the force makes little difference to the motion. " + std::to_string(pairs) +
+		" runs at 240 Hz and 960 Hz accept a force error of 5 % or 20 %: " + moved +
 		" Contact of bodies that rest, slide or strike is shallow. There surfaces answer, and no coarser level would take less time.");
+	size_t scenes = 0, byQueries = 0;
+	for (const MotionFindings& f : all)
+		if (const MotionRow* few = f.rowOfSpheres(kFewSpheres.front()), *own = f.row(Contact::Given, kSphereRate); few && own)
+			++scenes, byQueries += few->queryError > own->error;
+	page.paragraph("The number of spheres makes more. With trees of 100 spheres, queries err more than steps of 240 Hz in " +
+		std::to_string(byQueries) + " of " + std::to_string(scenes) + " scenes in which trees meet.");
 	std::string lost;
 	for (const MotionFindings& f : all)
 		if (const MotionRow* row = f.row(Contact::Given, 60); row && row->error > 1)
@@ -76,10 +83,10 @@ void addSummary(scenes::HtmlReport& page, const std::vector<MotionFindings>& all
 	if (!lost.empty())
 		page.paragraph(
 			"With materials given, these scenes end more than the size of a body from where they should in steps of 60 Hz: " + lost + ".");
-	page.paragraph(
-		"The error falls in proportion to the step, with two exceptions. Bodies that bounce lose speed to the implicit step, "
-		"about exp(-pi h omega / 2) in each impact, where omega is the frequency of the contact: their error is large until h omega "
-		"is small. With nothing set, contact is soft below steps of 1 ms (see below).");
+	page.paragraph("The error falls in proportion to the step, with two exceptions. Bodies that bounce lose speed to the implicit step. In "
+				   "each impact "
+				   "about exp(-pi h omega / 2) is left, with the frequency omega of the contact, so the error is large until h omega is "
+				   "small. With nothing set, contact is soft below steps of 1 ms (see below).");
 }
 
 void addMethod(scenes::HtmlReport& page, size_t scenes)
@@ -89,15 +96,17 @@ void addMethod(scenes::HtmlReport& page, size_t scenes)
 				   "bench_motion_error-float64 && bench_motion_error --report docs/accuracy-of-motion.html, built with "
 				   "-DBULLETHAPTICS_BENCH=ON. Single scenes run with --scene NAME, and an interrupted run goes on where it was.");
 	page.paragraph(
-		"The error of a pose is the distance of the body's centre from its true place over the body's longest side, plus half of "
-		"the angle [rad] between the two rotations. The error of a run is the largest of all bodies and of all checkpoints, "
-		"which are 1/30 s apart. An error of 0.01 is a hundredth of the body.");
+		"The error of a pose is the distance of the body's centre from its true place over the body's longest side. Half of the angle "
+		"[rad] between the two rotations is added. The error of a run is the largest of all bodies and of all checkpoints, which are "
+		"1/30 s apart. An error of 0.01 is a hundredth of the body.");
 	page.paragraph(std::to_string(scenes) +
-		" scenes run in double precision in fixed steps from 30 Hz to 10 kHz, by a factor of some 1.19 from 60 Hz to 480 Hz and of 2 "
-		"elsewhere; where the reference is coarser, up to a sixth of its rate. The true motion is the limit of the same scene, with the "
-		"finest queries, as the step goes to zero. It is extrapolated from two runs, at the rate of the reference and at half of it. "
-		"How far this limit moves when both rates are halved stands in the last table, and tolerances below twice that are "
-		"left out.");
+		" scenes run in double precision in fixed steps from 30 Hz to 10 kHz, or to a sixth of the reference. Rates grow by a factor of "
+		"some "
+		"1.19 from 60 Hz to 480 Hz, and of 2 elsewhere. The true motion is the limit of the same scene, with the finest queries, as the "
+		"step "
+		"goes to zero. It is extrapolated from two runs, at the rate of the reference and at half of it. How far this limit moves when "
+		"both "
+		"rates are halved stands in the last table. Tolerances below twice that are left out.");
 	page.paragraph(
 		"With materials given, the model is the same at all steps. With nothing set, stiffness follows a rule that knows the step: "
 		"what a contact stops within one step, and what a step bears. There, the true motion is the limit of the rule as the step "
@@ -105,7 +114,7 @@ void addMethod(scenes::HtmlReport& page, size_t scenes)
 		"below 1 ms it hardly grows, and bodies stay deeper than at 60 Hz for seconds. So the limit is a softer contact, and an "
 		"error against it is no defect of the larger step. The closed forms below show which motion is right.");
 	page.paragraph("A motion can be foreseen only until small causes have large effects. Each scene also ran with its bodies displaced and "
-				   "turned by a millionth of their size, and is judged until that difference has grown a hundredfold.");
+				   "turned by a millionth of their size. It is judged until that difference has grown a hundredfold.");
 	page.paragraph("Cost is counted in steps and queries of contact together, which depends on no machine. Processor time was measured on "
 				   "two shared virtual cores that other programs used, too. It is good to a third.");
 }
@@ -113,8 +122,9 @@ void addMethod(scenes::HtmlReport& page, size_t scenes)
 void addCosts(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)
 {
 	page.heading("What each error costs");
-	page.paragraph("The table has the slowest fixed step, and the steps and queries for a second of the scene, whose error is within the "
-				   "tolerance, with materials given. A dash says that no step of the sweep is, or that the reference cannot tell.");
+	page.paragraph(
+		"The table has the slowest fixed step within the tolerance, with materials given, and its steps and queries for a second of "
+		"the scene. A dash says that no step of the sweep is, or that the reference cannot tell.");
 	std::vector<std::string> head = {"scene"};
 	for (const double tolerance : kTolerances) head.push_back("within " + formatNumber(tolerance));
 	Table rows;
@@ -149,27 +159,25 @@ void addCosts(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)
 void addSources(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)
 {
 	page.heading("Where steps err, and where queries do");
-	page.paragraph("The error of steps is that of runs with the finest queries. The error of queries is the difference between a run that "
-				   "accepts a force error of 5 % or 20 % (setForceError) and the run at the same rate that accepts none. Of bodies that "
-				   "meet Bullet's own shapes only, queries are as fine as they can be.");
+	page.paragraph(
+		"Steps err by the first three columns, with the finest queries. Queries err by the others: the difference from the run at "
+		"240 Hz with the finest queries. Coarse queries accept a force error of 5 % or 20 % (setForceError), or have trees of fewer "
+		"spheres than the scene's own 300 to 4,000. Only scenes in which trees meet are listed.");
 	Table rows;
+	const auto add = [](std::vector<std::string>& row, const MotionRow* r) { row.push_back(r ? shownError(r->queryError) : "-"); };
 	for (const MotionFindings& f : all)
 	{
 		if (!f.entry.meetsTrees) continue;
 		std::vector<std::string> row = {f.entry.name};
 		for (const int rate : {60, 240, 960}) row.push_back(errorAt(f, Contact::Given, rate));
-		for (const double error : kForceErrors)
-			for (const int rate : {240, 960})
-			{
-				const MotionRow* r = f.row(Contact::Given, rate, error);
-				row.push_back(r ? shownError(r->queryError) : "-");
-			}
-		const MotionRow *fine = f.row(Contact::Given, 960), *coarse = f.row(Contact::Given, 960, kForceErrors.back());
-		row.push_back(fine && coarse && coarse->cost.seconds > 0 ? formatNumber(fine->cost.seconds / coarse->cost.seconds, 2) : "-");
+		for (const double error : kForceErrors) add(row, f.row(Contact::Given, kSphereRate, error));
+		for (const int spheres : kFewSpheres) add(row, f.rowOfSpheres(spheres));
+		const MotionRow *fine = f.row(Contact::Given, kSphereRate), *coarse = f.rowOfSpheres(kFewSpheres.front());
+		row.push_back(fine && coarse && coarse->cost.pairs > 0 ? formatNumber(fine->cost.pairs / coarse->cost.pairs, 2) : "-");
 		rows.push_back(std::move(row));
 	}
-	page.table({"scene", "steps: 60 Hz", "240 Hz", "960 Hz", "queries within 5 %: 240 Hz", "960 Hz", "within 20 %: 240 Hz", "960 Hz",
-				   "time saved by 20 %, factor"},
+	page.table({"scene", "steps: 60 Hz", "240 Hz", "960 Hz", "queries: within 5 %", "within 20 %", "100 spheres", "400 spheres",
+				   "faces saved by 100 spheres, factor"},
 		rows);
 }
 
@@ -180,8 +188,8 @@ void addIntegrator(scenes::HtmlReport& page, const std::vector<MotionFindings>& 
 	if (fall == all.end()) return;
 	page.heading("What Bullet's own integrator errs");
 	page.paragraph(
-		"Bullet adds gravity to the velocity and then moves the body by the new velocity. A body that falls from rest is ahead of "
-		"g t^2 / 2 by g h t / 2 in steps of h, whatever computes its contacts. The table has the lead after one second.");
+		"Bullet adds gravity to the velocity and then moves the body by the new velocity. So a body that falls from rest is ahead of "
+		"g t^2 / 2, by g h t / 2 in steps of h. No contact is involved. The table has the lead after one second.");
 	Table rows;
 	for (const int rate : {30, 60, 120, 240, 480, 960, 1920, 9990})
 	{
@@ -191,8 +199,9 @@ void addIntegrator(scenes::HtmlReport& page, const std::vector<MotionFindings>& 
 			stock ? formatNumber(1e3 * stock->closedError * fall->size, 3) : "-", formatNumber(1e3 * 0.5 * kGravity / rate, 3)});
 	}
 	page.table({"steps", "ours [mm]", "stock Bullet [mm]", "g h t / 2 [mm]"}, rows);
-	page.paragraph("How much of the error of a scene is this lead? The next table has the error, as it is and where each body that nothing "
-				   "touches is moved back by g h^2 / 2 after each step.");
+	page.paragraph(
+		"How much of the error of a scene is this lead? The next table has the error as it is, and with the lead taken away: after "
+		"each step a body that nothing touches is moved back by g h^2 / 2.");
 	rows.clear();
 	for (const MotionFindings& f : all)
 	{
@@ -212,8 +221,9 @@ void addIntegrator(scenes::HtmlReport& page, const std::vector<MotionFindings>& 
 void addStock(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)
 {
 	page.heading("Stock Bullet beside");
-	page.paragraph("Where a closed form is known, both are judged by it. It is that of rigid bodies. Our bodies sink into each other by "
-				   "their weight over stiffness and area, which the closed form of the two rolling balls and of the blocks contains.");
+	page.paragraph(
+		"Where a closed form is known, both are judged by it. It is that of rigid bodies. Our bodies sink in by their weight over "
+		"stiffness and area, which the closed forms of balls and blocks contain.");
 	Table rows;
 	for (const MotionFindings& f : all)
 	{
@@ -239,7 +249,7 @@ void addGains(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)
 	page.paragraph(
 		"For each tolerance the best fixed step is compared with the best step at each moment, chosen in hindsight: each interval "
 		"between two checkpoints takes the run that costs least, so that the errors added in all intervals sum up to the tolerance. "
-		"The error that a run adds in an interval is the change of its distance from the true motion, as a vector; for the fixed "
+		"The error that a run adds in an interval is the change of its distance from the true motion, as a vector. For the fixed "
 		"step it is summed alike. The tolerance is a share of the body for each second, times the growth of a perturbation. "
 		"Tolerances that would allow more than a whole body are left out. The table has the ratio of the two costs, in steps and queries. "
 		"It estimates the most that a control of the step could save, because no control knows the runs beforehand.");
@@ -324,7 +334,8 @@ scenes::Chart chartOf(const MotionFindings& f)
 	const auto series = [&](const char* name, Contact contact, double forceError) {
 		scenes::ChartSeries points{name, {}, {}, {}, true};
 		for (const MotionRow& r : f.rows)
-			if (r.settings.contact == contact && r.settings.forceError == forceError && !r.settings.isFlightExact && std::isfinite(r.error))
+			if (r.settings.contact == contact && r.settings.forceError == forceError && !r.settings.isFlightExact &&
+				r.settings.spheres == 0 && std::isfinite(r.error))
 			{
 				points.x.push_back(1e3 * r.cost.seconds), points.y.push_back(r.error);
 				if (contact == Contact::Given) ours.push_back({1e3 * r.cost.seconds, r.error});

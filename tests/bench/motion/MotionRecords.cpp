@@ -19,11 +19,12 @@ std::string MotionRecords::pathOf(const MotionEntry& entry, const MotionSettings
 	return m_folder + "/" + entry.name + "/" + settings.name() + (isDouble ? "-double.txt" : "-single.txt");
 }
 
-Result<MotionScene*> MotionRecords::scene(const MotionEntry& entry)
+Result<MotionScene*> MotionRecords::scene(const MotionEntry& entry, int spheres)
 {
-	std::unique_ptr<MotionScene>& scene = m_scenes[entry.name];
+	std::unique_ptr<MotionScene>& scene = m_scenes[entry.name + std::to_string(spheres)];
 	if (scene) return scene.get();
 	browser::DemoOptions options;
+	options.spheres = spheres;
 	options.cache = m_folder + "/trees";
 	std::error_code failed;
 	std::filesystem::create_directories(options.cache, failed);
@@ -47,7 +48,7 @@ std::optional<MotionRun> MotionRecords::find(const MotionEntry& entry, const Mot
 Result<MotionRun> MotionRecords::run(const MotionEntry& entry, const MotionSettings& settings)
 {
 	if (auto known = find(entry, settings, isDouble())) return std::move(*known);
-	const Result<MotionScene*> prepared = scene(entry);
+	const Result<MotionScene*> prepared = scene(entry, settings.spheres);
 	if (!prepared) return prepared.error();
 	if (settings.forceError > 0 && !m_hasLevels[entry.name])
 	{

@@ -19,8 +19,8 @@ public:
 	ist::Result<MotionRun> run(const MotionEntry& entry, const MotionSettings& settings);
 	/// The run with these settings, if it was made before. `isDouble`: in double precision.
 	std::optional<MotionRun> find(const MotionEntry& entry, const MotionSettings& settings, bool isDouble) const;
-	/// The prepared scene.
-	ist::Result<MotionScene*> scene(const MotionEntry& entry);
+	/// The prepared scene, with so many spheres in each tree; 0: its own number.
+	ist::Result<MotionScene*> scene(const MotionEntry& entry, int spheres = 0);
 
 	/// Whether this program steps in double precision.
 	static bool isDouble();

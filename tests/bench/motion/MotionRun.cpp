@@ -110,6 +110,7 @@ std::string MotionSettings::name() const
 	if (forceError > 0) name += "-error" + std::to_string(std::lround(1000 * forceError));
 	if (perturbation > 0) name += "-perturbed";
 	if (isFlightExact) name += "-flight";
+	if (spheres > 0) name += "-" + std::to_string(spheres) + "spheres";
 	return name;
 }
 

@@ -24,6 +24,8 @@ struct MotionSettings
 
 	/// Puts right what Bullet's integrator errs in free flight: after each step a body that nothing touches is moved back by g h^2 / 2.
 	bool isFlightExact = false;
+	/// Number of spheres of each tree; 0: that of the scene. The caller prepares the scene so.
+	int spheres = 0;
 
 	/// A name for files, such as "given-60".
 	std::string name() const;

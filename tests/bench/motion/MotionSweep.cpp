@@ -17,7 +17,7 @@ constexpr std::array kStockRates = {60, 120, 240, 480, 960, 1920};
 
 MotionSettings at(Contact contact, int rate, double forceError = 0, double perturbation = 0)
 {
-	return {contact, rate, forceError, perturbation, false};
+	return {contact, rate, forceError, perturbation, false, 0};
 }
 
 /// The runs that tell what is true.
@@ -42,7 +42,9 @@ std::vector<MotionSettings> judged(const MotionEntry& entry)
 	for (const int rate : kStockRates)
 		if (!entry.meetsTrees || rate <= 480) all.push_back(at(Contact::Stock, rate));
 	if (entry.fliesFreely)
-		for (const int rate : kLevelRates) all.push_back({Contact::Given, rate, 0, 0, true});
+		for (const int rate : kLevelRates) all.push_back({Contact::Given, rate, 0, 0, true, 0});
+	if (entry.meetsTrees)
+		for (const int spheres : kFewSpheres) all.push_back({Contact::Given, kSphereRate, 0, 0, false, spheres});
 	if (entry.meetsTrees)
 		for (const double error : kForceErrors)
 			for (const int rate : kLevelRates) all.push_back(at(Contact::Given, rate, error));
@@ -124,8 +126,15 @@ const MotionRow* MotionFindings::row(Contact contact, int rate, double forceErro
 {
 	for (const MotionRow& r : rows)
 		if (r.settings.contact == contact && r.settings.rate == rate && r.settings.forceError == forceError &&
-			r.settings.isFlightExact == isFlightExact)
+			r.settings.isFlightExact == isFlightExact && r.settings.spheres == 0)
 			return &r;
+	return nullptr;
+}
+
+const MotionRow* MotionFindings::rowOfSpheres(int spheres) const
+{
+	for (const MotionRow& r : rows)
+		if (r.settings.spheres == spheres) return &r;
 	return nullptr;
 }
 
@@ -133,7 +142,7 @@ const MotionRow* MotionFindings::cheapest(Contact contact, double tolerance) con
 {
 	const MotionRow* best = nullptr;
 	for (const MotionRow& r : rows)
-		if (r.settings.contact == contact && !r.settings.isFlightExact && r.error <= tolerance &&
+		if (r.settings.contact == contact && !r.settings.isFlightExact && r.settings.spheres == 0 && r.error <= tolerance &&
 			(!best || r.cost.count() < best->cost.count()))
 			best = &r;
 	return best;
@@ -158,7 +167,8 @@ std::optional<Error> recordRuns(MotionRecords& records, const MotionEntry& entry
 	}
 	for (const MotionSettings& settings : all)
 	{
-		if (!MotionRecords::isDouble() && (settings.contact != Contact::Given || settings.forceError > 0 || settings.isFlightExact))
+		if (!MotionRecords::isDouble() &&
+			(settings.contact != Contact::Given || settings.forceError > 0 || settings.isFlightExact || settings.spheres > 0))
 			continue;
 		if (const Result<MotionRun> run = records.run(entry, settings); !run) return run.error();
 	}
@@ -199,11 +209,11 @@ Result<MotionFindings> judgeRuns(MotionRecords& records, const MotionEntry& entr
 			row.closedError = largest(closed, closed.size());
 		if (const auto single = records.find(entry, settings, false))
 			row.singleError = largest(motionErrors(*single, reference.run), reference.judgedCount);
-		if (settings.forceError > 0)
+		if (settings.forceError > 0 || settings.spheres > 0)
 			if (const auto finest = records.find(entry, at(settings.contact, settings.rate), true))
 				row.queryError = largest(motionErrors(*run, *finest), reference.judgedCount);
 		found.rows.push_back(row);
-		if (settings.contact != Contact::Given || settings.forceError > 0 || settings.isFlightExact) continue;
+		if (settings.contact != Contact::Given || settings.forceError > 0 || settings.isFlightExact || settings.spheres > 0) continue;
 		steps.push_back(std::move(*run));
 		rates.push_back(settings.rate);
 	}

@@ -13,6 +13,8 @@ namespace bench
 inline constexpr double kPerturbation = 1e-6;
 inline constexpr std::array kTolerances = {1e-1, 1e-2, 1e-3, 1e-4};
 inline constexpr std::array kForceErrors = {0.05, 0.2};  ///< accepted force errors that are measured
+inline constexpr std::array kFewSpheres = {100, 400};    ///< numbers of spheres that are measured
+inline constexpr int kSphereRate = 240;                  ///< at this rate [Hz]
 
 /// One run, judged until the motion can no longer be foreseen.
 struct MotionRow
@@ -21,8 +23,9 @@ struct MotionRow
 	double error = 0;         ///< largest pose error against the reference
 	double closedError = -1;  ///< against the closed form; negative: there is none
 	double singleError = -1;  ///< `error` in single precision; negative: not measured
-	double queryError = -1;   ///< with an accepted force error: against the run at the same rate without one; negative otherwise
-	MotionCost cost;          ///< for one second of the scene
+	/// With an accepted force error, or few spheres: against the run at the same rate without; negative otherwise.
+	double queryError = -1;
+	MotionCost cost;  ///< for one second of the scene
 };
 
 /// What holds for one choice of contact.
@@ -54,8 +57,10 @@ struct MotionFindings
 	std::vector<MotionRow> rows;
 	std::vector<MotionGain> gains;
 
-	/// The row with these settings; null where it was not measured.
+	/// The row with these settings, and the scene's own number of spheres; null where it was not measured.
 	const MotionRow* row(MotionSettings::Contact contact, int rate, double forceError = 0, bool isFlightExact = false) const;
+	/// The row with so many spheres; null where it was not measured.
+	const MotionRow* rowOfSpheres(int spheres) const;
 	/// The cheapest row of a contact, by queries and steps, whose error is at most `tolerance`; null: none.
 	const MotionRow* cheapest(MotionSettings::Contact contact, double tolerance) const;
 };
