@@ -74,7 +74,7 @@ void addSummary(scenes::HtmlReport& page, const std::vector<MotionFindings>& all
 	for (const MotionFindings& f : all)
 		if (const MotionRow* few = f.rowOfSpheres(kFewSpheres.front()), *own = f.row(Contact::Given, kSphereRate); few && own)
 			++scenes, byQueries += few->queryError > own->error;
-	page.paragraph("The number of spheres makes more. With trees of 100 spheres, queries err more than steps of 240 Hz in " +
+	page.paragraph("The number of spheres matters more. With trees of 100 spheres, queries err more than steps of 240 Hz in " +
 		std::to_string(byQueries) + " of " + std::to_string(scenes) + " scenes in which trees meet.");
 	std::string lost;
 	for (const MotionFindings& f : all)
@@ -286,7 +286,8 @@ void addGains(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)
 	}
 	rows.push_back(std::move(fixed));
 	page.table(head, rows);
-	page.paragraph("An error of velocity that an impact makes shows in later poses. The last row charges it to the interval that makes it: "
+	page.paragraph("An error of velocity that an impact makes shows in later poses. The row with velocities charged gives it to the "
+				   "interval that makes it: "
 				   "with the change of velocity times the time that is left.");
 }
 
