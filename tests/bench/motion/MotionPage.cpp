@@ -55,8 +55,8 @@ void addSummary(scenes::HtmlReport& page, const std::vector<MotionFindings>& all
 			shownError(medianError(all, Contact::Default, rate)), std::to_string(countWithin(all, Contact::Default, rate, 0.1)),
 			std::to_string(countWithin(all, Contact::Default, rate, 0.01))});
 	page.paragraph("The motion of " + std::to_string(all.size()) +
-		" scenes, compared with what it would be in steps of no length. The table has the median of the errors, as a share of the "
-		"body's size, and the number of scenes within 0.1 and 0.01.");
+		" scenes, compared with what it would be in steps of no length. The table has the median of the errors, as a share of the body's "
+		"size, and the number of scenes within 0.1 and 0.01.");
 	page.table({"steps", "materials given: median", "within 0.1", "within 0.01", "nothing set: median", "within 0.1", "within 0.01"}, rows);
 	double most = 0;
 	size_t pairs = 0, changed = 0;
@@ -84,35 +84,29 @@ void addSummary(scenes::HtmlReport& page, const std::vector<MotionFindings>& all
 		page.paragraph(
 			"With materials given, these scenes end more than the size of a body from where they should in steps of 60 Hz: " + lost + ".");
 	page.paragraph("The error falls in proportion to the step, with two exceptions. Bodies that bounce lose speed to the implicit step. In "
-				   "each impact "
-				   "about exp(-pi h omega / 2) is left, with the frequency omega of the contact, so the error is large until h omega is "
-				   "small. With nothing set, contact is soft below steps of 1 ms (see below).");
+				   "each impact about exp(-pi h omega / 2) is left, with the frequency omega of the contact, so the error is large until h "
+				   "omega is small. With nothing set, contact is soft below steps of 1 ms (see below).");
 }
 
 void addMethod(scenes::HtmlReport& page, size_t scenes)
 {
 	page.heading("How it was measured");
-	page.paragraph("The page was made by "
-				   "bench_motion_error-float64 && bench_motion_error --report docs/accuracy-of-motion.html, built with "
-				   "-DBULLETHAPTICS_BENCH=ON. Single scenes run with --scene NAME, and an interrupted run goes on where it was.");
-	page.paragraph(
-		"The error of a pose is the distance of the body's centre from its true place over the body's longest side. Half of the angle "
-		"[rad] between the two rotations is added. The error of a run is the largest of all bodies and of all checkpoints, which are "
-		"1/30 s apart. An error of 0.01 is a hundredth of the body.");
+	page.paragraph("The page was made by bench_motion_error-float64 && bench_motion_error --report docs/accuracy-of-motion.html, built "
+				   "with -DBULLETHAPTICS_BENCH=ON. Single scenes run with --scene NAME, and an interrupted run goes on where it was.");
+	page.paragraph("The error of a pose is the distance of the body's centre from its true place over the body's longest side. Half of the "
+				   "angle [rad] between the two rotations is added. The error of a run is the largest of all bodies and of all "
+				   "checkpoints, which are 1/30 s apart. An error of 0.01 is a hundredth of the body.");
 	page.paragraph(std::to_string(scenes) +
 		" scenes run in double precision in fixed steps from 30 Hz to 10 kHz, or to a sixth of the reference. Rates grow by a factor of "
-		"some "
-		"1.19 from 60 Hz to 480 Hz, and of 2 elsewhere. The true motion is the limit of the same scene, with the finest queries, as the "
-		"step "
-		"goes to zero. It is extrapolated from two runs, at the rate of the reference and at half of it. How far this limit moves when "
-		"both "
-		"rates are halved stands in the last table. Tolerances below twice that are left out.");
-	page.paragraph(
-		"With materials given, the model is the same at all steps. With nothing set, stiffness follows a rule that knows the step: "
-		"what a contact stops within one step, and what a step bears. There, the true motion is the limit of the rule as the step "
-		"goes to zero. By what presses, the stiffness grows at most by a factor of exp((h / 10 ms)^2) in a step h. In steps well "
-		"below 1 ms it hardly grows, and bodies stay deeper than at 60 Hz for seconds. So the limit is a softer contact, and an "
-		"error against it is no defect of the larger step. The closed forms below show which motion is right.");
+		"some 1.19 from 60 Hz to 480 Hz, and of 2 elsewhere. The true motion is the limit of the same scene, with the finest queries, as "
+		"the step goes to zero. It is extrapolated from two runs, at the rate of the reference and at half of it. That rate is 61,440 Hz "
+		"for single bodies, a 128th of a step of 480 Hz, and 7,680 or 15,360 Hz for many. How far the limit moves when both rates are "
+		"halved stands in the last table. Tolerances below twice that are left out.");
+	page.paragraph("With materials given, the model is the same at all steps. With nothing set, stiffness follows a rule that knows the "
+				   "step: what a contact stops within one step, and what a step bears. There, the true motion is the limit of the rule as "
+				   "the step goes to zero. By what presses, the stiffness grows at most by a factor of exp((h / 10 ms)^2) in a step h. In "
+				   "steps well below 1 ms it hardly grows, and bodies stay deeper than at 60 Hz for seconds. So the limit is a softer "
+				   "contact, and an error against it is no defect of the larger step. The closed forms below show which motion is right.");
 	page.paragraph("A motion can be foreseen only until small causes have large effects. Each scene also ran with its bodies displaced and "
 				   "turned by a millionth of their size. It is judged until that difference has grown a hundredfold.");
 	page.paragraph("Cost is counted in steps and queries of contact together, which depends on no machine. Processor time was measured on "
@@ -122,9 +116,8 @@ void addMethod(scenes::HtmlReport& page, size_t scenes)
 void addCosts(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)
 {
 	page.heading("What each error costs");
-	page.paragraph(
-		"The table has the slowest fixed step within the tolerance, with materials given, and its steps and queries for a second of "
-		"the scene. A dash says that no step of the sweep is, or that the reference cannot tell.");
+	page.paragraph("The table has the slowest fixed step within the tolerance, with materials given, and its steps and queries for a "
+				   "second of the scene. A dash says that no step of the sweep is, or that the reference cannot tell.");
 	std::vector<std::string> head = {"scene"};
 	for (const double tolerance : kTolerances) head.push_back("within " + formatNumber(tolerance));
 	Table rows;
@@ -159,10 +152,9 @@ void addCosts(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)
 void addSources(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)
 {
 	page.heading("Where steps err, and where queries do");
-	page.paragraph(
-		"Steps err by the first three columns, with the finest queries. Queries err by the others: the difference from the run at "
-		"240 Hz with the finest queries. Coarse queries accept a force error of 5 % or 20 % (setForceError), or have trees of fewer "
-		"spheres than the scene's own 300 to 4,000. Only scenes in which trees meet are listed.");
+	page.paragraph("Steps err by the first three columns, with the finest queries. Queries err by the others: the difference from the run "
+				   "at 240 Hz with the finest queries. Coarse queries accept a force error of 5 % or 20 % (setForceError), or have trees "
+				   "of fewer spheres than the scene's own 300 to 4,000. Only scenes in which trees meet are listed.");
 	Table rows;
 	const auto add = [](std::vector<std::string>& row, const MotionRow* r) { row.push_back(r ? shownError(r->queryError) : "-"); };
 	for (const MotionFindings& f : all)
@@ -187,9 +179,8 @@ void addIntegrator(scenes::HtmlReport& page, const std::vector<MotionFindings>& 
 		all.begin(), all.end(), [](const MotionFindings& f) { return f.entry.name == std::string("free_fall"); });
 	if (fall == all.end()) return;
 	page.heading("What Bullet's own integrator errs");
-	page.paragraph(
-		"Bullet adds gravity to the velocity and then moves the body by the new velocity. So a body that falls from rest is ahead of "
-		"g t^2 / 2, by g h t / 2 in steps of h. No contact is involved. The table has the lead after one second.");
+	page.paragraph("Bullet adds gravity to the velocity and then moves the body by the new velocity. So a body that falls from rest is "
+				   "ahead of g t^2 / 2, by g h t / 2 in steps of h. No contact is involved. The table has the lead after one second.");
 	Table rows;
 	for (const int rate : {30, 60, 120, 240, 480, 960, 1920, 9990})
 	{
@@ -199,9 +190,8 @@ void addIntegrator(scenes::HtmlReport& page, const std::vector<MotionFindings>& 
 			stock ? formatNumber(1e3 * stock->closedError * fall->size, 3) : "-", formatNumber(1e3 * 0.5 * kGravity / rate, 3)});
 	}
 	page.table({"steps", "ours [mm]", "stock Bullet [mm]", "g h t / 2 [mm]"}, rows);
-	page.paragraph(
-		"How much of the error of a scene is this lead? The next table has the error as it is, and with the lead taken away: after "
-		"each step a body that nothing touches is moved back by g h^2 / 2.");
+	page.paragraph("How much of the error of a scene is this lead? The next table has the error as it is, and with the lead taken away: "
+				   "after each step a body that nothing touches is moved back by g h^2 / 2.");
 	rows.clear();
 	for (const MotionFindings& f : all)
 	{
@@ -221,9 +211,8 @@ void addIntegrator(scenes::HtmlReport& page, const std::vector<MotionFindings>& 
 void addStock(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)
 {
 	page.heading("Stock Bullet beside");
-	page.paragraph(
-		"Where a closed form is known, both are judged by it. It is that of rigid bodies. Our bodies sink in by their weight over "
-		"stiffness and area, which the closed forms of balls and blocks contain.");
+	page.paragraph("Where a closed form is known, both are judged by it. It is that of rigid bodies. Our bodies sink in by their weight "
+				   "over stiffness and area, which the closed forms of balls and blocks contain.");
 	Table rows;
 	for (const MotionFindings& f : all)
 	{
@@ -247,12 +236,12 @@ void addGains(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)
 {
 	page.heading("What a step that adapts could save");
 	page.paragraph(
-		"For each tolerance the best fixed step is compared with the best step at each moment, chosen in hindsight: each interval "
-		"between two checkpoints takes the run that costs least, so that the errors added in all intervals sum up to the tolerance. "
-		"The error that a run adds in an interval is the change of its distance from the true motion, as a vector. For the fixed "
-		"step it is summed alike. The tolerance is a share of the body for each second, times the growth of a perturbation. "
-		"Tolerances that would allow more than a whole body are left out. The table has the ratio of the two costs, in steps and queries. "
-		"It estimates the most that a control of the step could save, because no control knows the runs beforehand.");
+		"For each tolerance the best fixed step is compared with the best step at each moment, chosen in hindsight: each interval between "
+		"two checkpoints takes the run that costs least, so that the errors added in all intervals sum up to the tolerance. The error that "
+		"a run adds in an interval is the change of its distance from the true motion, as a vector. For the fixed step it is summed alike. "
+		"The tolerance is a share of the body for each second, times the growth of a perturbation. Tolerances that would allow more than a "
+		"whole body are left out. The table has the ratio of the two costs, in steps and queries. It estimates the most that a control of "
+		"the step could save, because no control knows the runs beforehand.");
 	std::vector<std::string> head = {"scene", "events"};
 	for (const double tolerance : kTolerances) head.push_back("within " + formatNumber(tolerance));
 	Table rows;
@@ -287,8 +276,7 @@ void addGains(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)
 	rows.push_back(std::move(fixed));
 	page.table(head, rows);
 	page.paragraph("An error of velocity that an impact makes shows in later poses. The row with velocities charged gives it to the "
-				   "interval that makes it: "
-				   "with the change of velocity times the time that is left.");
+				   "interval that makes it: with the change of velocity times the time that is left.");
 }
 
 void addSingle(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)
@@ -370,9 +358,8 @@ scenes::HtmlReport makePage(const std::vector<MotionFindings>& all)
 	addSingle(page, all);
 	addScenes(page, all);
 	page.heading("Error over cost, scene by scene");
-	page.paragraph(
-		"Each point is a run in fixed steps, and the line joins the best ones. Stock Bullet is judged by the motion of our bodies "
-		"with materials given, which are not as hard as its own.");
+	page.paragraph("Each point is a run in fixed steps, and the line joins the best ones. Stock Bullet is judged by the motion of our "
+				   "bodies with materials given, which are not as hard as its own.");
 	for (const MotionFindings& f : all) page.chart(chartOf(f));
 	return page;
 }
