@@ -352,6 +352,55 @@ TEST(OverlapQuery, InstructionSetsFindTheSamePairsAndDoTheSameWork)
 	}
 }
 
+namespace
+{
+void expectSameBits(const OverlapIntegrals& a, const OverlapIntegrals& b)
+{
+	EXPECT_EQ(a.pairs, b.pairs);
+	EXPECT_EQ(a.volume, b.volume);
+	EXPECT_EQ(a.firstMoment, b.firstMoment);
+	EXPECT_EQ(a.areaVector, b.areaVector);
+	EXPECT_EQ(a.depthA, b.depthA);
+	EXPECT_EQ(a.normalB.torque, b.normalB.torque);
+	EXPECT_EQ(a.stiffnessA(2, 5), b.stiffnessA(2, 5));
+}
+
+/// Asks every set of this machine that `isWanted` in `poses` poses. All must answer as the portable set does, bit for bit.
+template <class Wanted> void compareBits(const InnerSphereTree& A, const InnerSphereTree& B, int poses, int64_t leastPairs, Wanted isWanted)
+{
+	std::mt19937 random(20);
+	int64_t pairs = 0;
+	for (int trial = 0; trial < poses; ++trial)
+	{
+		const Pose X = randomPose(random, A, B, 1.2);
+		QueryCapacity small;
+		small.pairs = 20000;
+		QueryWorkspace portable(small, InstructionSet::Portable);
+		const OverlapIntegrals expected = queryOverlap(A, B, X, portable).total;
+		pairs += expected.pairs;
+		for (const InstructionSet set : availableSets())
+		{
+			if (!isWanted(set)) continue;
+			SCOPED_TRACE(toString(set));
+			QueryWorkspace workspace(small, set);
+			expectSameBits(queryOverlap(A, B, X, workspace).total, expected);
+		}
+	}
+	EXPECT_GT(pairs, leastPairs);
+}
+}  // namespace
+
+TEST(OverlapQuery, APairHasTheSameBitsInEveryInstructionSet)
+{
+	compareBits(cloudBody(1, 1, {1, 2, 3}), cloudBody(1, 2), 100, 20, [](InstructionSet) { return true; });
+}
+
+TEST(OverlapQuery, SumsHaveTheSameBitsInEveryInstructionSetOfFourLanes)
+{
+	compareBits(cloudBody(1500, 1, {1, 2, 3}), cloudBody(1000, 2), 5, 1000,
+		[](InstructionSet set) { return set == InstructionSet::Baseline || set == InstructionSet::Neon; });
+}
+
 TEST(OverlapQuery, FindsEveryPairUnderAPoseThatIsBarelyRigid)
 {
 	const InnerSphereTree A = cloudBody(3000, 1), B = cloudBody(3000, 2);
