@@ -3,6 +3,7 @@
 # Builds all libraries, both commands and tests for 64-bit ARM, and runs tests under QEMU, which takes twenty times as long.
 # It runs the tests of the collision algorithm and the solver, and those that compare queries with brute force.
 # Of the other tests of core and devices it runs those that take this machine itself no more than a second.
+# Queries must give the bits that they give on this machine: query_hashes with NEON here, and with SSE2 there.
 # Tests of devices that keep time with a clock stay out, and so do tests that count page faults, which are QEMU's.
 # The libraries of that architecture are unpacked from this Debian's own package sources; nothing is installed.
 # Usage: tests/compilers/arm64.sh SOURCE FOLDER NATIVE
@@ -55,6 +56,15 @@ quiet cmake --build "$build" --target ist devicebridge_command DeviceBridge Devi
 	BulletHapticsTestSupport BulletHapticsTestSupport-float64
 status=0
 qemu-aarch64 -L "$root" "$build/DeviceBridge/Tools/devicebridge" list >/dev/null || status=1
+quiet cmake --build "$build" --target query_hashes
+golden=$source/data/golden
+for trees in "cylinder-v7.ist box-v7.ist" "tetrahedron-v7.ist cylinder-v7.ist"; do
+	set -- $trees
+	BULLETHAPTICS_ISA=neon qemu-aarch64 -L "$root" "$build/tests/compilers/query_hashes" "$golden/$1" "$golden/$2" >"$folder/neon.txt"
+	BULLETHAPTICS_ISA=baseline "$native/../compilers/query_hashes" "$golden/$1" "$golden/$2" | diff - "$folder/neon.txt" && continue
+	echo "queries of $1 and $2 differ between NEON and SSE2"
+	status=1
+done
 for program in test_core test_core_threads test_devices test_collision test_collision-float64 test_force test_force-float64; do
 	quiet cmake --build "$build" --target $program
 	filter='*'

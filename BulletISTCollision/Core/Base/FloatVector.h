@@ -7,6 +7,9 @@
 #if !defined(IST_PORTABLE) && defined(__SSE2__)
 #define IST_SSE 1
 #include <immintrin.h>
+#elif !defined(IST_PORTABLE) && defined(__aarch64__)
+#define IST_NEON 1
+#include <arm_neon.h>
 #endif
 
 // At -O2 the compiler does not unroll loops over the parts, and keeps the vectors in memory.
@@ -64,6 +67,25 @@ template <> struct DoublePart<8>
 	typedef double Type __attribute__((vector_size(64)));
 };
 
+/// Number of set bits. Without an instruction for it, GCC calls a function, and everything in registers goes to memory.
+IST_INLINE int countBits(uint32_t bits)
+{
+#if defined(__POPCNT__)
+	return __builtin_popcount(bits);
+#else
+	bits -= bits >> 1 & 0x55555555;
+	bits = (bits & 0x33333333) + (bits >> 2 & 0x33333333);
+	return int(((bits + (bits >> 4)) & 0x0f0f0f0f) * 0x01010101 >> 24);
+#endif
+}
+
+/// Number of lanes that are set. `bits`: below 2^kLanes.
+IST_INLINE int countLanes(uint32_t bits)
+{
+	if constexpr (kLanes == 4) return int(0x4332322132212110ull >> (4 * bits) & 7);
+	return countBits(bits);
+}
+
 /// Bit k is the sign of lane k.
 template <class Mask> IST_INLINE uint32_t signBits(Mask m)
 {
@@ -74,6 +96,13 @@ template <class Mask> IST_INLINE uint32_t signBits(Mask m)
 #if defined(IST_SSE)
 	if constexpr (sizeof(Mask) == 16)
 		return sizeof(m[0]) == 4 ? uint32_t(_mm_movemask_ps((__m128)m)) : uint32_t(_mm_movemask_pd((__m128d)m));
+#endif
+#if defined(IST_NEON)
+	if constexpr (sizeof(Mask) == 16 && sizeof(m[0]) == 4)
+	{
+		const uint32x4_t bit = {1, 2, 4, 8};
+		return vaddvq_u32(vandq_u32(vreinterpretq_u32_s32(vshrq_n_s32((int32x4_t)m, 31)), bit));
+	}
 #endif
 	uint32_t bits = 0;
 	for (unsigned k = 0; k < sizeof(Mask) / sizeof(m[0]); ++k) bits |= uint32_t(m[k] < 0) << k;
@@ -149,6 +178,13 @@ template <class Part> IST_INLINE Part rootOf(Part a)
 		else return (Part)_mm_sqrt_pd((__m128d)a);
 	}
 #endif
+#if defined(IST_NEON)
+	if constexpr (sizeof(Part) == 16)
+	{
+		if constexpr (sizeof(a[0]) == 4) return (Part)vsqrtq_f32((float32x4_t)a);
+		else return (Part)vsqrtq_f64((float64x2_t)a);
+	}
+#endif
 	for (unsigned k = 0; k < sizeof(Part) / sizeof(a[0]); ++k)
 		a[k] = sizeof(a[0]) == 4 ? __builtin_sqrtf(float(a[k])) : __builtin_sqrt(a[k]);
 	return a;
@@ -183,10 +219,51 @@ template <int W> struct LaneMask
 	}
 	IST_INLINE uint32_t bits() const
 	{
+#if defined(IST_SSE)
+		if constexpr (kParts == 4 && sizeof(Part) == 16)
+		{
+			const __m128i low = _mm_packs_epi32((__m128i)part[0], (__m128i)part[1]);
+			const __m128i high = _mm_packs_epi32((__m128i)part[2], (__m128i)part[3]);
+			return uint32_t(_mm_movemask_epi8(_mm_packs_epi16(low, high)));
+		}
+#elif defined(IST_NEON)
+		if constexpr (kParts == 4)
+		{
+			uint32_t bytes[2];
+			writeBytes(bytes);
+			return bytes[0] | bytes[1] << 8;
+		}
+		if constexpr (kParts == 2)
+		{
+			const uint16x8_t bit = {1, 2, 4, 8, 16, 32, 64, 128};
+			return vaddvq_u16(vandq_u16(vuzp1q_u16((uint16x8_t)part[0], (uint16x8_t)part[1]), bit));
+		}
+		if constexpr (kParts == 1)
+		{
+			const uint32x4_t bit = {1, 2, 4, 8};
+			return vaddvq_u32(vandq_u32((uint32x4_t)part[0], bit));
+		}
+#endif
 		uint32_t bits = 0;
 		IST_UNROLL
 		for (int i = 0; i < kParts; ++i) bits |= signBits(part[i]) << (i * kRegister);
 		return bits;
+	}
+	/// The bits of sixteen lanes, in two bytes.
+	IST_INLINE void writeBytes(uint32_t (&bytes)[2]) const
+	{
+#if defined(IST_NEON)
+		// The lanes become bytes, of which each keeps its own bit.
+		const uint16x8_t low = vuzp1q_u16((uint16x8_t)part[0], (uint16x8_t)part[1]);
+		const uint16x8_t high = vuzp1q_u16((uint16x8_t)part[2], (uint16x8_t)part[3]);
+		const uint8x16_t bit = {1, 2, 4, 8, 16, 32, 64, 128, 1, 2, 4, 8, 16, 32, 64, 128};
+		const uint8x16_t own = vandq_u8(vuzp1q_u8((uint8x16_t)low, (uint8x16_t)high), bit);
+		bytes[0] = vaddv_u8(vget_low_u8(own));
+		bytes[1] = vaddv_u8(vget_high_u8(own));
+#else
+		bytes[0] = bits() & 255;
+		bytes[1] = bits() >> 8;
+#endif
 	}
 	friend IST_INLINE LaneMask operator&(LaneMask a, const LaneMask& b)
 	{
@@ -226,6 +303,11 @@ template <int W> struct FloatVector
 		IST_UNROLL
 		for (int i = 0; i < kParts; ++i) std::memcpy(&v.part[i], p + i * kRegister, sizeof(Part));
 		return v;
+	}
+	/// Like load, from an address that is a multiple of a register's size: instructions of SSE take their operand from there only.
+	static IST_INLINE FloatVector loadAligned(const float* p)
+	{
+		return load(static_cast<const float*>(__builtin_assume_aligned(p, sizeof(Part))));
 	}
 	IST_INLINE void store(float* p) const
 	{
@@ -354,10 +436,14 @@ template <int W> struct FloatVector
 	/// Bit k is set if a[k] < b[k].
 	static IST_INLINE uint32_t less(const FloatVector& a, const FloatVector& b)
 	{
+#if defined(IST_SSE) && defined(__AVX512VL__)
 		uint32_t bits = 0;
 		IST_UNROLL
 		for (int i = 0; i < kParts; ++i) bits |= lessBits(a.part[i], b.part[i]) << (i * kRegister);
 		return bits;
+#else
+		return isLess(a, b).bits();
+#endif
 	}
 	/// Bit k is set if a[k] == b[k].
 	static IST_INLINE uint32_t equal(const FloatVector& a, const FloatVector& b)
@@ -429,6 +515,9 @@ template <int W> struct DoubleVector
 #elif defined(IST_SSE)
 		v.part[0] = (Part)_mm_cvtps_pd((__m128)f.part[0]);
 		v.part[1] = (Part)_mm_cvtps_pd(_mm_movehl_ps((__m128)f.part[0], (__m128)f.part[0]));
+#elif defined(IST_NEON)
+		v.part[0] = (Part)vcvt_f64_f32(vget_low_f32((float32x4_t)f.part[0]));
+		v.part[1] = (Part)vcvt_high_f64_f32((float32x4_t)f.part[0]);
 #else
 		for (int k = 0; k < W; ++k) v.part[k / kRegister][k % kRegister] = f.part[0][k];
 #endif
@@ -445,6 +534,8 @@ template <int W> struct DoubleVector
 		f.part[0] = (typename FloatVector<W>::Part)_mm256_insertf128_ps(low, _mm256_cvtpd_ps((__m256d)part[1]), 1);
 #elif defined(IST_SSE)
 		f.part[0] = (typename FloatVector<W>::Part)_mm_movelh_ps(_mm_cvtpd_ps((__m128d)part[0]), _mm_cvtpd_ps((__m128d)part[1]));
+#elif defined(IST_NEON)
+		f.part[0] = (typename FloatVector<W>::Part)vcvt_high_f32_f64(vcvt_f32_f64((float64x2_t)part[0]), (float64x2_t)part[1]);
 #else
 		for (int k = 0; k < W; ++k) f.part[0][k] = float(part[k / kRegister][k % kRegister]);
 #endif
@@ -482,6 +573,8 @@ template <int W> struct DoubleVector
 		return {(typename LaneMask<W>::Part)_mm256_permute4x64_pd((__m256d)even, 0xd8)};
 #elif defined(IST_SSE) && !defined(__AVX512VL__)
 		return {(typename LaneMask<W>::Part)_mm_shuffle_ps((__m128)(a.part[0] < b.part[0]), (__m128)(a.part[1] < b.part[1]), 0x88)};
+#elif defined(IST_NEON)
+		return {(typename LaneMask<W>::Part)vuzp1q_s32((int32x4_t)(a.part[0] < b.part[0]), (int32x4_t)(a.part[1] < b.part[1]))};
 #else
 		uint32_t bits = 0;
 		IST_UNROLL
@@ -490,25 +583,4 @@ template <int W> struct DoubleVector
 #endif
 	}
 };
-
-/// Lane k is set if sphere k of the arrays intersects the sphere at (cx, cy, cz) with the radius `reach`.
-template <int W>
-IST_INLINE LaneMask<W> touching(const FloatVector<W>& x, const FloatVector<W>& y, const FloatVector<W>& z, const FloatVector<W>& r,
-	float cx, float cy, float cz, float reach)
-{
-	using V = FloatVector<W>;
-	// The arrays are subtrahends, because an instruction can take that operand from memory.
-	const V dx = V::all(cx) - x, dy = V::all(cy) - y, dz = V::all(cz) - z, sum = V::all(reach) + r;
-	return V::isLess(dx * dx + dy * dy + dz * dz, sum * sum);
-}
-
-/// Like touching(), but with fused rounding.
-template <int W>
-IST_INLINE LaneMask<W> nearlyTouching(const FloatVector<W>& x, const FloatVector<W>& y, const FloatVector<W>& z, const FloatVector<W>& r,
-	float cx, float cy, float cz, float reach)
-{
-	using V = FloatVector<W>;
-	const V dx = V::all(cx) - x, dy = V::all(cy) - y, dz = V::all(cz) - z, sum = V::all(reach) + r;
-	return V::isLess(multiplyAdd(dz, dz, multiplyAdd(dy, dy, dx * dx)), sum * sum);
-}
 }  // namespace

@@ -14,6 +14,7 @@ const char* toString(InstructionSet set)
 	case InstructionSet::Baseline: return "baseline";
 	case InstructionSet::V3: return "v3";
 	case InstructionSet::V4: return "v4";
+	case InstructionSet::Neon: return "neon";
 	}
 	return "unknown";
 }
@@ -31,9 +32,10 @@ bool isAvailable(InstructionSet set)
 	case InstructionSet::V4:
 		return isAvailable(InstructionSet::V3) && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
 			__builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512cd");
-#else
-	default: break;
+#elif defined(__aarch64__)
+	case InstructionSet::Neon: return true;
 #endif
+	default: break;
 	}
 	return false;
 }
@@ -55,7 +57,7 @@ Result<InstructionSet> parseInstructionSet(const char* name)
 		if (isAvailable(set)) return set;
 		return Error{std::string("this machine cannot run the instruction set '") + name + "'"};
 	}
-	return Error{std::string("unknown instruction set '") + name + "': portable, baseline, v3 or v4"};
+	return Error{std::string("unknown instruction set '") + name + "': portable, baseline, v3, v4 or neon"};
 }
 
 Result<InstructionSet> chosenInstructionSet()

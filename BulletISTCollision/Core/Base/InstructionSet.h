@@ -12,14 +12,16 @@ namespace ist
 /// bits.
 enum class InstructionSet
 {
-	Portable,  ///< plain C++; the only one on machines other than x86-64
+	Portable,  ///< plain C++; the only one on machines other than x86-64 and 64-bit ARM
 	Baseline,  ///< x86-64: SSE2
 	V3,        ///< x86-64-v3: AVX2; compiled without fused multiply-add, so that it agrees with the others
-	V4         ///< x86-64-v4: AVX-512
+	V4,        ///< x86-64-v4: AVX-512
+	Neon       ///< 64-bit ARM: NEON; four lanes, as Baseline, and the same bits
 };
-constexpr InstructionSet kInstructionSets[] = {InstructionSet::Portable, InstructionSet::Baseline, InstructionSet::V3, InstructionSet::V4};
+constexpr InstructionSet kInstructionSets[] = {
+	InstructionSet::Portable, InstructionSet::Baseline, InstructionSet::V3, InstructionSet::V4, InstructionSet::Neon};
 
-/// Name of the set: "portable", "baseline", "v3" or "v4".
+/// Name of the set: "portable", "baseline", "v3", "v4" or "neon".
 const char* toString(InstructionSet set);
 /// Whether this build contains the set and this machine can run it.
 bool isAvailable(InstructionSet set);

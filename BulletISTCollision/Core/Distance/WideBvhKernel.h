@@ -49,5 +49,7 @@ struct WideBvhKernel
 extern const WideBvhKernel kPortableWideBvhKernel;
 #if defined(__x86_64__)
 extern const WideBvhKernel kBaselineWideBvhKernel, kV3WideBvhKernel;
+#elif defined(__aarch64__)
+extern const WideBvhKernel kNeonWideBvhKernel;
 #endif
 }  // namespace ist::kernels

@@ -25,18 +25,19 @@ float limitOf(double distance2) { return float(std::min(double(kLargestBvhSquare
 /// of empty lanes (kFarAway).
 float near(double coordinate) { return float(std::clamp(coordinate, -kFarthestPoint, kFarthestPoint)); }
 
-const WideBvhKernel* kernelFor([[maybe_unused]] InstructionSet set)
+const WideBvhKernel* kernelFor(InstructionSet set)
 {
-#if defined(__x86_64__)
 	switch (set)
 	{
-	case InstructionSet::Portable: return &kPortableWideBvhKernel;
+#if defined(__x86_64__)
 	case InstructionSet::Baseline: return &kBaselineWideBvhKernel;
 	case InstructionSet::V3:
 	case InstructionSet::V4: return &kV3WideBvhKernel;
-	}
+#elif defined(__aarch64__)
+	case InstructionSet::Neon: return &kNeonWideBvhKernel;
 #endif
-	return &kPortableWideBvhKernel;
+	default: return &kPortableWideBvhKernel;
+	}
 }
 }  // namespace
 

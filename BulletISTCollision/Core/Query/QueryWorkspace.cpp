@@ -18,16 +18,17 @@ constexpr size_t kResidentTerms = 32768;
 const QueryKernel* kernelFor(InstructionSet set)
 {
 	if (!isAvailable(set)) return nullptr;
-#if defined(__x86_64__)
 	switch (set)
 	{
-	case InstructionSet::Portable: return &kPortableKernel;
+#if defined(__x86_64__)
 	case InstructionSet::Baseline: return &kBaselineKernel;
 	case InstructionSet::V3: return &kV3Kernel;
 	case InstructionSet::V4: return &kV4Kernel;
-	}
+#elif defined(__aarch64__)
+	case InstructionSet::Neon: return &kNeonKernel;
 #endif
-	return &kPortableKernel;
+	default: return &kPortableKernel;
+	}
 }
 
 const QueryKernel* chosenKernel()

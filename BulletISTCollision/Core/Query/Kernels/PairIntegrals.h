@@ -439,7 +439,7 @@ template <Terms terms> IST_INLINE int stageLenses(const Lenses& l, int count, St
 	const uint32_t hits = l.hits.bits();
 	forEachColumn<terms>(
 		l, [&](int c, const F& v) __attribute__((always_inline)) { v.store(stage.column[c] + length); });
-	if ((__builtin_popcount(hits) >= kLanes * 3 / 4) & (count >= kLanes)) return length + kLanes;
+	if ((countLanes(hits) >= kLanes * 3 / 4) & (count >= kLanes)) return length + kLanes;
 	// The columns are read back from memory. If they were kept in registers for this branch, they would be spilled on every path.
 	const LaneCompressor kept(hits & firstLanes(count));
 	for (int c = 0; c < kSummedColumns<terms>; ++c) kept.move(F::load(stage.column[c] + length), stage.column[c] + length);
@@ -456,7 +456,7 @@ void evaluatePairs(const PairBodies& bodies, const uint32_t* a, const uint32_t* 
 	{
 		const Lenses l = lensesOf<terms, isMoved, normalsChange>(bodies, a + k, b + k);
 		length = stageLenses<terms>(l, count - k, stage, length);
-		pairs += __builtin_popcount(l.hits.bits() & firstLanes(count - k));
+		pairs += countLanes(l.hits.bits() & firstLanes(count - k));
 		if (length > kStage - kLanes) flushStage<terms>(bodies, stage, length, sums);
 	}
 	if (length > 0) flushStage<terms>(bodies, stage, length, sums);

@@ -78,9 +78,9 @@ void sumListed(const PairBodies& bodies, const PairStream& stream, const GroupNu
 		if (groups) bits &= F::equal(F::load(groups + k), F::all(group));
 		if (!bits) continue;
 		stageLanes<kColumns>(stream, k, bits, stage, length);
-		length += __builtin_popcount(bits);
+		length += countLanes(bits);
 		// The list may contain pairs that meet only with their bounding balls. They have no mass and are not counted.
-		pairs += __builtin_popcount(bits & F::less(F::all(0), F::load(columnOf(stream, PairStream::Mass) + k)));
+		pairs += countLanes(bits & F::less(F::all(0), F::load(columnOf(stream, PairStream::Mass) + k)));
 		if (length > kStage - kLanes) flushStage<terms>(bodies, stage, length, sums);
 	}
 	if (length > 0) flushStage<terms>(bodies, stage, length, sums);

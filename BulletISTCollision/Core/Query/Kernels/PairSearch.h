@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletISTCollision/Core/Query/Kernels/BallLanes.h"
 #include "BulletISTCollision/Core/Query/Kernels/EllipsoidLanes.h"
 #include "BulletISTCollision/Core/Query/Kernels/LaneCompressor.h"
 
@@ -51,6 +52,32 @@ IST_INLINE size_t appendLanes(const LaneMask<16>& set, uint32_t first, uint32_t 
 	_mm256_storeu_si256(reinterpret_cast<__m256i*>(lanes + middle), chosen(high, _mm256_add_epi32(base, _mm256_set1_epi32(8))));
 	_mm256_storeu_si256(reinterpret_cast<__m256i*>(beside + middle), other);
 	return middle + unsigned(__builtin_popcount(high));
+#elif defined(IST_SSE) || defined(IST_NEON)
+	using Words = LaneMask<16>::Part;
+	uint32_t bytes[2];
+	set.writeBytes(bytes);
+	const Words base = Words{} + int32_t(first), other = Words{} + int32_t(same);
+	const auto putSame = [&](size_t at) __attribute__((always_inline))
+	{
+		std::memcpy(beside + at, &other, sizeof other);
+		std::memcpy(beside + at + 4, &other, sizeof other);
+	};
+	const auto put = [&](int half, size_t at) __attribute__((always_inline))
+	{
+		Words chosen[2];
+		std::memcpy(chosen, kWideLaneTable.lane[half][bytes[half]], sizeof chosen);
+		IST_UNROLL
+		for (int i = 0; i < 2; ++i)
+		{
+			const Words to = base + chosen[i];
+			std::memcpy(lanes + at + 4 * i, &to, sizeof to);
+		}
+		return at + kCountTable.count[bytes[half]];
+	};
+	const size_t end = put(1, put(0, size));
+	putSame(size);
+	putSame(size + 8);
+	return end;
 #else
 	for (uint32_t bits = set.bits(); bits; bits &= bits - 1)
 	{
@@ -80,12 +107,38 @@ struct Partner
 {
 	uint32_t id;
 	float x, y, z, r;
+
+	IST_INLINE BallLanes<8> grown(float slack) const
+	{
+		return {Vector8::all(x), Vector8::all(y), Vector8::all(z), Vector8::all(r + slack)};
+	}
 };
 
 /// Appends pairs (child, partner); `child` and `partner` are the list's columns. The stored bound is that of the child.
 IST_INLINE void appendChildBounds(SubtreeList& list, uint32_t* child, uint32_t* partner, uint32_t bits, const Children& c, const Partner& p)
 {
-	if (!kCompresses && !bits) return;
+	if constexpr (!kCompresses)
+	{
+		if (!bits) return;
+		float x[8], y[8], z[8], r[8];
+		c.x.store(x);
+		c.y.store(y);
+		c.z.store(z);
+		c.r.store(r);
+		size_t n = size_t(list.size);
+		for (; bits; bits &= bits - 1, ++n)
+		{
+			const int k = __builtin_ctz(bits);
+			child[n] = c.id[k];
+			partner[n] = p.id;
+			list.x[n] = x[k];
+			list.y[n] = y[k];
+			list.z[n] = z[k];
+			list.r[n] = r[k];
+		}
+		list.size = int(n);
+		return;
+	}
 	const Compressor compressor(bits);
 	const int n = list.size;
 	compressor.move(c.id, child + n);
@@ -101,7 +154,21 @@ IST_INLINE void appendChildBounds(SubtreeList& list, uint32_t* child, uint32_t* 
 IST_INLINE void appendPartnerBounds(
 	SubtreeList& list, uint32_t* child, uint32_t* partner, uint32_t bits, const Children& c, const Partner& p)
 {
-	if (!kCompresses && !bits) return;
+	if constexpr (!kCompresses)
+	{
+		size_t n = size_t(list.size);
+		for (; bits; bits &= bits - 1, ++n)
+		{
+			child[n] = c.id[__builtin_ctz(bits)];
+			partner[n] = p.id;
+			list.x[n] = p.x;
+			list.y[n] = p.y;
+			list.z[n] = p.z;
+			list.r[n] = p.r;
+		}
+		list.size = int(n);
+		return;
+	}
 	const Compressor compressor(bits);
 	const int n = list.size;
 	compressor.move(c.id, child + n);
@@ -125,13 +192,16 @@ IST_INLINE LaneBits childBits(const uint32_t* child)
 	const __m256i none = _mm256_cmpeq_epi32(id, _mm256_set1_epi32(-1));
 	return {uint32_t(_mm256_movemask_ps(_mm256_castsi256_ps(none))) ^ 0xff, uint32_t(_mm256_movemask_ps(_mm256_castsi256_ps(id)))};
 #else
-	LaneBits bits{0, 0};
-	for (int k = 0; k < 8; ++k)
+	LaneMask<8> none, leaf;
+	IST_UNROLL
+	for (int i = 0; i < LaneMask<8>::kParts; ++i)
 	{
-		bits.present |= uint32_t(child[k] != BallNode::kNoChild) << k;
-		bits.leaf |= (child[k] >> 31) << k;
+		LaneMask<8>::Part id;
+		std::memcpy(&id, child + 4 * i, sizeof id);
+		none.part[i] = id == int32_t(BallNode::kNoChild);
+		leaf.part[i] = id < 0;
 	}
-	return bits;
+	return {none.bits() ^ 0xff, leaf.bits()};
 #endif
 }
 
@@ -155,7 +225,8 @@ IST_INLINE Routes route(uint32_t hits, LaneBits bits, uint32_t notSmaller, bool 
 struct Descent
 {
 	const BallNode *nodesA, *nodesB;
-	float R[9], t[3], stretch, slack;
+	Vector8 R[9], t[3], stretch;
+	float slack;
 };
 
 /// Opens entry `index` of openA: the children of A's node against the bound of B's.
@@ -164,7 +235,7 @@ IST_INLINE void openNodeA(const Descent& s, int index, SubtreeList& sameList, Su
 	const BallNode& node = s.nodesA[sameList.a[index]];
 	const Partner b{sameList.b[index], sameList.x[index], sameList.y[index], sameList.z[index], sameList.r[index]};
 	const Children c{node.child, Vector8::load(node.x), Vector8::load(node.y), Vector8::load(node.z), Vector8::load(node.r)};
-	const uint32_t hits = touching(c.x, c.y, c.z, c.r, b.x, b.y, b.z, b.r + s.slack).bits();
+	const uint32_t hits = touching(c.x, c.y, c.z, c.r, b.grown(s.slack)).bits();
 	const uint32_t notSmaller = ~Vector8::less(c.r, Vector8::all(b.r));
 	const Routes to = route(hits, childBits(node.child), notSmaller, (b.id & BallNode::kLeafBit) != 0);
 	appendPartnerBounds(sameList, sameList.a, sameList.b, to.same, c, b);
@@ -178,11 +249,9 @@ IST_INLINE void openNodeB(const Descent& s, int index, SubtreeList& sameList, Su
 	const BallNode& node = s.nodesB[sameList.b[index]];
 	const Partner a{sameList.a[index], sameList.x[index], sameList.y[index], sameList.z[index], sameList.r[index]};
 	const Vector8 x = Vector8::load(node.x), y = Vector8::load(node.y), z = Vector8::load(node.z);
-	const auto row = [&](int i) {
-		return Vector8::all(s.R[3 * i]) * x + Vector8::all(s.R[3 * i + 1]) * y + Vector8::all(s.R[3 * i + 2]) * z + Vector8::all(s.t[i]);
-	};
-	const Children c{node.child, row(0), row(1), row(2), Vector8::load(node.r) * Vector8::all(s.stretch)};
-	const uint32_t hits = touching(c.x, c.y, c.z, c.r, a.x, a.y, a.z, a.r + s.slack).bits();
+	const auto row = [&](int i) { return s.R[3 * i] * x + s.R[3 * i + 1] * y + s.R[3 * i + 2] * z + s.t[i]; };
+	const Children c{node.child, row(0), row(1), row(2), Vector8::load(node.r) * s.stretch};
+	const uint32_t hits = touching(c.x, c.y, c.z, c.r, a.grown(s.slack)).bits();
 	// If two nodes are equally large, the node of A is opened.
 	const uint32_t notSmaller = Vector8::less(Vector8::all(a.r), c.r);
 	const Routes to = route(hits, childBits(node.child), notSmaller, (a.id & BallNode::kLeafBit) != 0);
@@ -230,7 +299,7 @@ void moveBlock(const PairSearch& s, uint32_t index)
 		(R + F::all(s.slack)).store(moved.reach + lane);
 		storeCenters(s.centersB + first + lane, c);
 	}
-	s.marks[index] = {s.epoch, uint32_t(__builtin_popcount(V::less(V::all(0), block.r)))};
+	s.marks[index] = {s.epoch, uint32_t(countBits(V::less(V::all(0), block.r)))};
 	if (s.movedB) moveEllipsoids(s, moved, first);
 }
 
@@ -264,8 +333,8 @@ int ballsNearBlocks(PairSearch& s, int first, int end)
 		if (epochsA[blockA] != epoch) writeColumns(s, blockA);
 		const BlockColumns& a = columnsA[blockA];
 		// Padding finds no pairs: A's is far from all bounds of B that touch one of A's, and B's is far from all balls.
-		const LaneMask<16> near = touching(
-			V::load(a.x), V::load(a.y), V::load(a.z), V::load(a.reach), leaves.x[i], leaves.y[i], leaves.z[i], leaves.r[i] + slack);
+		const BallLanes<16> bound{V::all(leaves.x[i]), V::all(leaves.y[i]), V::all(leaves.z[i]), V::all(leaves.r[i] + slack)};
+		const LaneMask<16> near = touching(V::loadAligned(a.x), V::loadAligned(a.y), V::loadAligned(a.z), V::loadAligned(a.reach), bound);
 		const size_t size = appendLanes<false>(near, blockA * kBlockWidth, blockB, ballOf, blockOf, n), count = size - n;
 		if ((count != 0) & (marks[blockB].epoch != epoch)) moveBlock(s, blockB);
 		// If no ball of A is near a block of B, `count` is 0, so the block's number of balls has no effect.
@@ -300,9 +369,10 @@ int pairsOfBalls(PairSearch& s, int count, int pairs)
 		for (; i < end; ++i)
 		{
 			const uint32_t ball = ballOf[i], index = blockOf[i];
-			const Sphere& a = ballsA[ball];
+			const BallLanes<16> a = BallLanes<16>::of(&ballsA[ball].x);
 			const BlockColumns& b = moved[index];
-			const LaneMask<16> hits = nearlyTouching(V::load(b.x), V::load(b.y), V::load(b.z), V::load(b.reach), a.x, a.y, a.z, a.r);
+			const LaneMask<16> hits = nearlyTouching(
+				V::loadAligned(b.x), V::loadAligned(b.y), V::loadAligned(b.z), V::loadAligned(b.reach), a);
 			size = appendLanes<true>(hits, index * kBlockWidth, ball, pairB, pairA, size);
 		}
 		pairs = int(size);
@@ -331,9 +401,9 @@ void search(PairSearch& s)
 	DescentFrame frames[4 * kMaxTreeDepth + 4];
 	frames[0] = {s.openA.size > 0, 0, 1};
 	int depth = 1, pairs = 0;
-	Descent d{s.nodesA, s.nodesB, {}, {}, s.stretch, s.slack};
-	for (int i = 0; i < 9; ++i) d.R[i] = float(s.R[i]);
-	for (int i = 0; i < 3; ++i) d.t[i] = float(s.t[i]);
+	Descent d{s.nodesA, s.nodesB, {}, {}, Vector8::all(s.stretch), s.slack};
+	for (int i = 0; i < 9; ++i) d.R[i] = Vector8::all(float(s.R[i]));
+	for (int i = 0; i < 3; ++i) d.t[i] = Vector8::all(float(s.t[i]));
 	while (depth > 0 && !s.stop)
 	{
 		DescentFrame& frame = frames[depth - 1];

@@ -212,5 +212,7 @@ struct QueryKernel
 extern const QueryKernel kPortableKernel;
 #if defined(__x86_64__)
 extern const QueryKernel kBaselineKernel, kV3Kernel, kV4Kernel;
+#elif defined(__aarch64__)
+extern const QueryKernel kNeonKernel;
 #endif
 }  // namespace ist::kernels

@@ -28,6 +28,11 @@ IST_INLINE F::Part frontFloats(F::Part a, F::Part b) { return (F::Part)_mm256_un
 IST_INLINE F::Part backFloats(F::Part a, F::Part b) { return (F::Part)_mm256_unpackhi_ps((__m256)a, (__m256)b); }
 IST_INLINE F::Part frontDouble(F::Part a, F::Part b) { return (F::Part)_mm256_unpacklo_pd((__m256d)a, (__m256d)b); }
 IST_INLINE F::Part backDouble(F::Part a, F::Part b) { return (F::Part)_mm256_unpackhi_pd((__m256d)a, (__m256d)b); }
+#elif defined(IST_NEON)
+IST_INLINE F::Part frontFloats(F::Part a, F::Part b) { return (F::Part)vzip1q_f32((float32x4_t)a, (float32x4_t)b); }
+IST_INLINE F::Part backFloats(F::Part a, F::Part b) { return (F::Part)vzip2q_f32((float32x4_t)a, (float32x4_t)b); }
+IST_INLINE F::Part frontDouble(F::Part a, F::Part b) { return (F::Part)vzip1q_f64((float64x2_t)a, (float64x2_t)b); }
+IST_INLINE F::Part backDouble(F::Part a, F::Part b) { return (F::Part)vzip2q_f64((float64x2_t)a, (float64x2_t)b); }
 #else
 IST_INLINE F::Part frontFloats(F::Part a, F::Part b) { return F::Part{a[0], b[0], a[1], b[1]}; }
 IST_INLINE F::Part backFloats(F::Part a, F::Part b) { return F::Part{a[2], b[2], a[3], b[3]}; }
@@ -139,10 +144,48 @@ template <class Ball> IST_INLINE auto placesOf(const Ball* balls, const uint32_t
 	return [=](int k) __attribute__((always_inline)) { return reinterpret_cast<const char*>(balls + index[k]); };
 }
 
+#if defined(IST_SSE) && !defined(__AVX2__)
+/// Like placesOf. Arrays of different sizes share one product of each index, which addresses multiply by 2, 4 or 8; GCC would make a
+/// product for each array.
+template <class Ball> IST_INLINE auto scaledPlacesOf(const Ball* balls, const uint32_t* index)
+{
+	return [=](int k) __attribute__((always_inline))
+	{
+		constexpr size_t kUnit = 16, kScale = sizeof(Ball) / kUnit;
+		if constexpr (kScale * kUnit != sizeof(Ball) || (kScale & (kScale - 1)) != 0)
+			return reinterpret_cast<const char*>(balls + index[k]);
+		size_t at = kUnit * index[k];
+		asm("" : "+r"(at));
+		return reinterpret_cast<const char*>(balls) + kScale * at;
+	};
+}
+
+/// Eight bytes from each of two addresses, side by side.
+IST_INLINE __m128 loadHalves(const char* low, const char* high)
+{
+	const __m128d front = _mm_load_sd(reinterpret_cast<const double*>(low));
+	return _mm_castpd_ps(_mm_loadh_pd(front, reinterpret_cast<const double*>(high)));
+}
+#endif
+
 /// Loads the rows of four floats that begin `offset[r]` bytes into each ball, as columns: four for each row.
 template <int kRows, class Ball>
 IST_INLINE void fetchRows(const Ball* balls, const uint32_t* index, const int (&offset)[kRows], F::Part (&columns)[4 * kRows])
 {
+#if defined(IST_SSE) && !defined(__AVX2__)
+	// Loads of halves spare half of the shuffles, each of which would overwrite an operand that must be copied before.
+	const auto place = scaledPlacesOf(balls, index);
+	const char *const p0 = place(0), *const p1 = place(1), *const p2 = place(2), *const p3 = place(3);
+	IST_UNROLL
+	for (int i = 0; i < 2 * kRows; ++i)
+	{
+		const int at = offset[i / 2] + i % 2 * 8;
+		const __m128 front = loadHalves(p0 + at, p1 + at), back = loadHalves(p2 + at, p3 + at);
+		columns[2 * i] = (F::Part)_mm_shuffle_ps(front, back, 0x88);
+		columns[2 * i + 1] = (F::Part)_mm_shuffle_ps(front, back, 0xdd);
+	}
+	return;
+#endif
 #if defined(IST_SSE) && defined(__AVX512VL__)
 	if constexpr (sizeof(Ball) == sizeof(F::Part))
 	{
@@ -219,8 +262,24 @@ struct Centers
 
 IST_INLINE Centers fetchCenters(const MovedCenter* centers, const uint32_t* index)
 {
-	constexpr int offset[2] = {0, 16};
 	Centers c;
+#if defined(IST_SSE) && !defined(__AVX2__)
+	IST_UNROLL
+	for (int i = 0; i < D::kParts; ++i)
+	{
+		const auto place = scaledPlacesOf(centers, index);
+		const auto column = [&](int at) __attribute__((always_inline))
+		{
+			return (D::Part)loadHalves(place(2 * i) + at, place(2 * i + 1) + at);
+		};
+		c.x.part[i] = column(0);
+		c.y.part[i] = column(8);
+		c.z.part[i] = column(16);
+		c.R.part[i] = column(24);
+	}
+	return c;
+#endif
+	constexpr int offset[2] = {0, 16};
 	IST_UNROLL
 	for (int i = 0; i < D::kParts; ++i)
 	{

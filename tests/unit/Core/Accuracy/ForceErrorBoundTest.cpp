@@ -250,7 +250,7 @@ TEST(LevelCalibration, IsTheSameWhateverTheMachine)
 {
 	const char* const chosen = std::getenv("BULLETHAPTICS_ISA");
 	const std::string before = chosen ? chosen : "";
-	for (const char* set : {"portable", "baseline", "v3", "v4", "none such"})
+	for (const char* set : {"portable", "baseline", "v3", "v4", "neon", "none such"})
 	{
 		setenv("BULLETHAPTICS_ISA", set, 1);
 		EXPECT_EQ(measuredCalibration(bodyB()), bodyB().calibration) << set;

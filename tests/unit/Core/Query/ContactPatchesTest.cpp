@@ -17,7 +17,6 @@ using namespace ist::kernels;
 
 namespace
 {
-constexpr InstructionSet kAllSets[] = {InstructionSet::Portable, InstructionSet::Baseline, InstructionSet::V3, InstructionSet::V4};
 
 /// A list of pairs between balls that are connected in `clusters` groups. The forces lie in `directions` cones, and a few of them are
 /// weak.
@@ -72,7 +71,7 @@ const QueryKernel* kernelOf(InstructionSet set)
 
 TEST(PatchGrouper, AgreesWithTheReferencePairByPair)
 {
-	for (const InstructionSet set : kAllSets)
+	for (const InstructionSet set : kInstructionSets)
 	{
 		const QueryKernel* kernel = kernelOf(set);
 		if (!kernel) continue;
@@ -115,7 +114,7 @@ TEST(PatchGrouper, PairsWithoutAnyDirectionAreOnePatch)
 TEST(PatchGrouper, PatchesOfAQuerySumToTheQueryWithoutPatches)
 {
 	const InnerSphereTree A = cloudBody(700, 3), B = cloudBody(650, 4, {0.1, 0.2, -0.1});
-	for (const InstructionSet set : kAllSets)
+	for (const InstructionSet set : kInstructionSets)
 	{
 		if (!isAvailable(set)) continue;
 		std::mt19937 random(11);
