@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Import/MeshFileUnit.h"
 
-#include "BulletISTCollision/Core/Import/MeshText.h"
-#include "BulletISTCollision/Core/Import/ObjForAssimp.h"
-#include "BulletISTCollision/Core/Import/XmlTags.h"
-#include "BulletISTCollision/Core/Import/ZipArchive.h"
+#include "BulletISTCollision/Core/Import/Formats/MeshText.h"
+#include "BulletISTCollision/Core/Import/Formats/ObjForAssimp.h"
+#include "BulletISTCollision/Core/Import/Formats/XmlTags.h"
+#include "BulletISTCollision/Core/Import/Formats/ZipArchive.h"
 
 #include <algorithm>
 #include <cctype>

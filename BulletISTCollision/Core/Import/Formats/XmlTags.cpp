@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Import/XmlTags.h"
+#include "BulletISTCollision/Core/Import/Formats/XmlTags.h"
 
 #include <algorithm>
 #include <utility>
