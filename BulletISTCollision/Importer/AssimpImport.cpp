@@ -14,7 +14,6 @@
 #include <assimp/importerdesc.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
-#include <assimp/version.h>
 
 #include <algorithm>
 #include <array>
@@ -25,6 +24,7 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
@@ -161,13 +161,7 @@ void removeInvalidFaces(aiMesh& part, LeftOut& out)
 	part.mPrimitiveTypes = kinds;
 }
 
-/// The parts that exist: the 3MF reader leaves null pointers if two objects have the same id.
-std::vector<aiMesh*> partsOf(const aiScene& scene)
-{
-	std::vector<aiMesh*> parts(scene.mMeshes, scene.mMeshes + scene.mNumMeshes);
-	std::erase(parts, nullptr);
-	return parts;
-}
+std::span<aiMesh* const> partsOf(const aiScene& scene) { return {scene.mMeshes, scene.mNumMeshes}; }
 
 LeftOut removeInvalidFaces(const aiScene& scene)
 {
@@ -176,24 +170,11 @@ LeftOut removeInvalidFaces(const aiScene& scene)
 	return out;
 }
 
-constexpr std::string_view k3mfReader = "3mf Importer";
-
 /// Name of the reader that read the last file.
 std::string_view readerName(const Assimp::Importer& importer)
 {
 	const aiImporterDesc* reader = importer.GetImporterInfo(static_cast<size_t>(importer.GetPropertyInteger("importerIndex", -1)));
 	return reader ? reader->mName : "";
-}
-
-/// The reader of 3MF in assimp 5.2.5 to 5.3 deletes the pictures of a file before it returns. The scene still lists them and would delete
-/// them again. Release 5.2.5 calls itself 5.2.4, and the releases before it call themselves 5.2.0.
-void forgetDeletedPictures(aiScene& scene, const Assimp::Importer& importer)
-{
-	const std::array version{aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch()}, first{5u, 2u, 4u}, good{5u, 4u, 0u};
-	if (version < first || version >= good || readerName(importer) != k3mfReader) return;
-	delete[] scene.mTextures;
-	scene.mTextures = nullptr;
-	scene.mNumTextures = 0;
 }
 
 /// What assimp says about faces of damaged files.
@@ -259,7 +240,7 @@ TexturedMesh gather(const aiScene& scene, double unit, Wanted wanted, ImportProg
 		for (unsigned i = 0; i < node->mNumMeshes; ++i)
 		{
 			const aiMesh* part = scene.mMeshes[node->mMeshes[i]];
-			if (!part || !(part->mPrimitiveTypes & aiPrimitiveType_TRIANGLE)) continue;
+			if (!(part->mPrimitiveTypes & aiPrimitiveType_TRIANGLE)) continue;
 			append(textured, rounding, *part, transform, unit, wanted);
 			const Vec3 here{transform.a4, transform.b4, transform.c4};
 			inOnePlace = inOnePlace && here == place.value_or(here);
@@ -274,7 +255,7 @@ TexturedMesh gather(const aiScene& scene, double unit, Wanted wanted, ImportProg
 
 std::optional<Error> checkPlaces(const TexturedMesh& textured, const aiScene& scene, const std::string& path)
 {
-	const std::vector<aiMesh*> parts = partsOf(scene);
+	const std::span<aiMesh* const> parts = partsOf(scene);
 	for (std::size_t i = 0; i < parts.size(); ++i)
 		if ((parts[i]->mPrimitiveTypes & aiPrimitiveType_TRIANGLE) && !parts[i]->HasTextureCoords(0))
 			return Error{path + ": part " + std::to_string(i + 1) + " of " + std::to_string(parts.size()) +
@@ -290,37 +271,6 @@ std::string reasonOf(const Assimp::Importer& importer)
 	return reason.empty() ? "assimp does not say why" : reason;
 }
 
-/// Conversion from the reader's coordinates to metres.
-struct Scale
-{
-	double unit = 1;    ///< metres per unit of the file
-	double factor = 1;  ///< factor on the reader's coordinates
-	std::optional<std::string> notTaken;
-};
-
-/// A unit as text with six digits, as messages contain it.
-std::string unitWords(double metres) { return number(metres) + " m"; }
-
-Result<Scale> scaleOf(const std::string& path, const MeshFileUnit& file, const std::optional<double>& given)
-{
-	// Tolerance for units in text, which have few digits.
-	constexpr double kSame = 1e-6;
-	if (!(file.metres > 0) && (!given || file.appliedByReader))
-		return Error{path + ": it states \"" + file.stated + "\" as its unit, which is none of " + file.format + " files; correct it" +
-			(file.appliedByReader ? "" : ", or pass its unit to importMesh()")};
-	const double applied = file.appliedByReader ? file.metres : 1;
-	if (!given) return Scale{file.metres, file.metres / applied, {}};
-	if (std::fabs(*given - file.metres) <= kSame * file.metres) return Scale{file.metres, file.appliedByReader ? 1 : *given, {}};
-	Scale scale{*given, *given / applied, {}};
-	const std::string states = file.stated.empty()
-		? "The file states no unit, for which the " + file.format + " format has " + unitWords(file.metres)
-		: file.appliedByReader
-		? "The file states " + unitWords(file.metres) + " as its unit"
-		: "The file states \"" + file.stated + "\" as its unit" + (file.metres > 0 ? ", " + unitWords(file.metres) : "");
-	if (!file.format.empty()) scale.notTaken = states + "; in its place the given unit was applied, " + unitWords(*given) + ".";
-	return scale;
-}
-
 /// FBX files state centimetres per unit. Many are in metres all the same, so the reader's coordinates are not scaled.
 std::optional<std::string> unitOfFbx(const aiScene& scene, const Assimp::Importer& importer, const std::optional<double>& given)
 {
@@ -329,7 +279,7 @@ std::optional<std::string> unitOfFbx(const aiScene& scene, const Assimp::Importe
 		!scene.mMetaData->Get("UnitScaleFactor", centimetres))
 		return std::nullopt;
 	if (!(centimetres > 0) || centimetres == 100) return std::nullopt;
-	const std::string metres = unitWords(0.01 * double(centimetres));
+	const std::string metres = lengthWords(0.01 * double(centimetres));
 	return "The file states " + metres +
 		" as its unit, which is not applied to FBX files: its coordinates were taken as metres; pass its unit to importMesh() if they "
 		"are not.";
@@ -347,8 +297,6 @@ Result<TexturedMesh> read(const std::string& path, const std::optional<double>& 
 	importer.SetIOHandler(new ProgressFiles(importProgress, path, head.value().content));
 	const MeshReaderWarnings warnings;
 	const aiScene* scene = importer.ReadFile(path, 0);
-	// The cast is safe: the importer owns the scene and returns it as const.
-	if (scene) forgetDeletedPictures(const_cast<aiScene&>(*scene), importer);
 	const LeftOut leftOut = scene ? removeInvalidFaces(*scene) : LeftOut();
 	if (const auto sentence = leftOut.tooDamaged()) return Error{path + ": " + *sentence};
 	if (scene) scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
@@ -357,8 +305,6 @@ Result<TexturedMesh> read(const std::string& path, const std::optional<double>& 
 		return Error{"cannot read " + path + ": " + reasonOf(importer) +
 			"; the file may be cut short, of a format that assimp does not know, or of another one than its name ends with: export it "
 			"again"};
-	if (readerName(importer) == k3mfReader && head.value().unit.format != "3MF")
-		return Error{"cannot read " + path + ": its archive is damaged; export the mesh again"};
 	TexturedMesh textured = gather(*scene, scale.value().factor, wanted, importProgress);
 	textured.mesh.unit = scale.value().unit;
 	if (importProgress.cancelled()) return Error{"the import was cancelled", true};

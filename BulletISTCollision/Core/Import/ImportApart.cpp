@@ -167,7 +167,7 @@ Result<TexturedMesh> importApart(const std::string& path, const std::optional<do
 #ifdef BULLETHAPTICS_NO_ASSIMP
 	if (program.empty())
 		return noImporter(
-			path, "which this build lacks because it has no assimp; configure it with BULLETHAPTICS_ASSIMP=ON, or export STL or PLY");
+			path, "which this build lacks because it has no assimp; configure it with BULLETHAPTICS_ASSIMP=ON, or export STL, PLY or 3MF");
 #endif
 	if (program.empty()) return noImporter(path, std::string("which is not there") + kInstall);
 	int ends[2];

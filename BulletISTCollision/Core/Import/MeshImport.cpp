@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Import/MeshImport.h"
 
+#include "BulletISTCollision/Core/Import/Formats/PackageFile.h"
 #include "BulletISTCollision/Core/Import/Formats/PlyFile.h"
 #include "BulletISTCollision/Core/Import/Formats/StlFile.h"
 #include "BulletISTCollision/Core/Import/ImportApart.h"
@@ -69,15 +70,11 @@ Result<TexturedMesh> readStlFile(const std::string& path, double unit, Wanted wa
 	return textured;
 }
 
-Result<TexturedMesh> readPlyFile(const std::string& path, double unit, Wanted wanted, ImportProgress& importProgress)
+/// What a reader of texture coordinates has read, in metres and checked. `isDouble`: the file has its numbers in double precision.
+Result<TexturedMesh> inMetres(TexturedMesh textured, const std::string& path, double unit, bool isDouble, Wanted wanted)
 {
-	const Result<std::string> bytes = bytesOf(path, importProgress);
-	if (!bytes) return bytes.error();
-	Result<PlySurface> read = readPly(bytes.value(), [&](double done) { return importProgress.reach(kReading * (0.5 + 0.5 * done)); });
-	if (!read) return read.error().cancelled ? read.error() : Error{"cannot read " + path + ": " + read.error().message};
-	TexturedMesh textured = std::move(read.value().textured);
 	Mesh& mesh = textured.mesh;
-	const double worst = read.value().isDouble ? 0 : blur(bounds(mesh));
+	const double worst = isDouble ? 0 : blur(bounds(mesh));
 	for (Vec3& v : mesh.vertices) v = unit * v;
 	mesh.unit = unit;
 	mesh.rounding = std::max(mesh.rounding, worst);
@@ -88,12 +85,37 @@ Result<TexturedMesh> readPlyFile(const std::string& path, double unit, Wanted wa
 	return textured;
 }
 
+Result<TexturedMesh> readPlyFile(const std::string& path, double unit, Wanted wanted, ImportProgress& importProgress)
+{
+	const Result<std::string> bytes = bytesOf(path, importProgress);
+	if (!bytes) return bytes.error();
+	Result<PlySurface> read = readPly(bytes.value(), [&](double done) { return importProgress.reach(kReading * (0.5 + 0.5 * done)); });
+	if (!read) return read.error().cancelled ? read.error() : Error{"cannot read " + path + ": " + read.error().message};
+	return inMetres(std::move(read.value().textured), path, unit, read.value().isDouble, wanted);
+}
+
+Result<TexturedMesh> readPackageFile(
+	const std::string& path, const std::optional<double>& given, Wanted wanted, ImportProgress& importProgress)
+{
+	const Result<std::string> bytes = bytesOf(path, importProgress);
+	if (!bytes) return bytes.error();
+	Result<PackageSurface> read = readPackage(
+		bytes.value(), [&](double done) { return importProgress.reach(kReading * (0.5 + 0.5 * done)); });
+	if (!read) return read.error().cancelled ? read.error() : Error{"cannot read " + path + ": " + read.error().message};
+	const Result<Scale> scale = scaleOf(path, unitOf3mf(read.value().unit), given);
+	if (!scale) return scale.error();
+	Result<TexturedMesh> textured = inMetres(std::move(read.value().textured), path, scale.value().unit, true, wanted);
+	if (textured && scale.value().notTaken) textured.value().mesh.notTaken.push_back(*scale.value().notTaken);
+	return textured;
+}
+
 Result<TexturedMesh> readMesh(const std::string& path, const std::optional<double>& given, Wanted wanted, ImportProgress& importProgress)
 {
 	if (const auto error = whyNoMeshFile(path)) return *error;
 	const std::string ending = meshFileEnding(path);
 	Result<TexturedMesh> read = ending == ".stl" ? readStlFile(path, given.value_or(1), wanted, importProgress)
 		: ending == ".ply"                       ? readPlyFile(path, given.value_or(1), wanted, importProgress)
+		: ending == ".3mf"                       ? readPackageFile(path, given, wanted, importProgress)
 												 : importApart(path, given, wanted, importProgress);
 	if (read && !importProgress.reach(1)) return Error{"the import was cancelled", true};
 	return read;

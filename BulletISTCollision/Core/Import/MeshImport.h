@@ -11,9 +11,9 @@
 
 namespace ist
 {
-/// Reads every triangle of a file, of STL and PLY files itself and of any other format that assimp knows through it, with the scene's node
-/// transforms applied, in metres. Points, lines and faces with invalid corners are left out, and `Mesh::notTaken` says so. Some readers
-/// give such faces other corners (OFF, AC, 3DS); `notTaken` says that, too. Duplicate positions are not welded; repair does that.
+/// Reads every triangle of a file, of STL, PLY and 3MF files itself and of any other format that assimp knows through it, with the scene's
+/// node transforms applied, in metres. Points, lines and faces with invalid corners are left out, and `Mesh::notTaken` says so. Some
+/// readers give such faces other corners (OFF, AC, 3DS); `notTaken` says that, too. Duplicate positions are not welded; repair does that.
 ///
 /// Without `unit`, the file's own unit is applied once: the one that 3MF, AMF and COLLADA files state, millimetres if a 3MF or AMF file
 /// states none, and metres for all other formats. The axes are those of the file, whatever it states to be up (MeshAxes.h turns meshes).
