@@ -29,6 +29,12 @@ foreach(header ${BULLETHAPTICS_HEADERS})
 endforeach()
 bullethaptics_forward_old_paths()
 
+# In a folder of this version, beside the shared library, which looks for it there.
+set(importer_folder ${CMAKE_INSTALL_LIBDIR}/${BULLETHAPTICS_IMPORTER_FOLDER})
+if(TARGET bullethaptics-import)
+	install(TARGETS bullethaptics-import RUNTIME DESTINATION ${importer_folder} COMPONENT runtime)
+endif()
+
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics)
 if(TARGET ist)
 	# An export of its own: the libraries can be used where the tools are not installed.
@@ -48,12 +54,13 @@ endif()
 set(scene_folder ${CMAKE_INSTALL_DATADIR}/BulletHaptics/scenes)
 
 configure_package_config_file(cmake/BulletHapticsConfig.cmake.in BulletHapticsConfig.cmake
-	INSTALL_DESTINATION ${package_folder} PATH_VARS scene_folder)
+	INSTALL_DESTINATION ${package_folder} PATH_VARS scene_folder importer_folder)
 write_basic_package_version_file(BulletHapticsConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES
 	${CMAKE_CURRENT_BINARY_DIR}/BulletHapticsConfig.cmake
 	${CMAKE_CURRENT_BINARY_DIR}/BulletHapticsConfigVersion.cmake
 	cmake/BulletHapticsAssets.cmake
+	BulletISTCollision/Core/Import/ImporterOfBuild.cpp.in
 	DESTINATION ${package_folder} COMPONENT dev)
 if(BULLETHAPTICS_BULLET)
 	install(FILES cmake/FindBulletPhysics.cmake DESTINATION ${package_folder} COMPONENT dev)

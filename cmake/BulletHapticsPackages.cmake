@@ -63,7 +63,7 @@ bullethaptics_package(runtime libbullethaptics${abi} "volumetric contact for Bul
 	"Contact that can be felt: overlap volume, force and torque between any two"
 	"closed meshes, from inner sphere trees. For Bullet in single and in double" "precision.")
 bullethaptics_package(dev libbullethaptics-dev "volumetric contact for Bullet Physics, development files" SECTION libdevel
-	DEPENDS "libbullethaptics${abi} ${same}, libbullet-dev, libassimp-dev" SUGGESTS "libgmock-dev, libbullet-extras-dev" EXPLANATION
+	DEPENDS "libbullethaptics${abi} ${same}, libbullet-dev" SUGGESTS "libgmock-dev, libbullet-extras-dev" EXPLANATION
 	"Headers, CMake package and pkg-config files of BulletHaptics, for Bullet in"
 	"single and in double precision, and matchers for the physics tests of games.")
 bullethaptics_package(tools bullethaptics-tools "volumetric contact for Bullet Physics, command-line tools" SECTION science

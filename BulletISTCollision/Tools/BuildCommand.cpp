@@ -4,11 +4,11 @@
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Base/ThreadCount.h"
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Import/MeshImport.h"
 #include "BulletISTCollision/Core/Mesh/LengthUnit.h"
 #include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
 #include "BulletISTCollision/Core/Tuning/ExpectedError.h"
 #include "BulletISTCollision/Tools/BuildProgress.h"
-#include "BulletISTCollision/Tools/ImportApart.h"
 #include "BulletISTCollision/Tools/Interruption.h"
 #include "BulletISTCollision/Tools/OutputFile.h"
 #include "BulletISTCollision/Tools/ProgressBar.h"
@@ -126,7 +126,7 @@ int runBuild(const BuildArguments& a)
 	const auto end = [&](bool good) {
 		if (!good || !whole) bar.finish();
 	};
-	Result<Mesh> mesh = importApart(a.mesh, lengthUnit(a.unit), progress);
+	Result<Mesh> mesh = importMesh(a.mesh, lengthUnit(a.unit), progress);
 	end(bool(mesh) && !interrupted());
 	if (!mesh && mesh.error().cancelled) return fail("interrupted; nothing was written", kInterrupted);
 	if (!mesh) return fail(mesh.error().message);

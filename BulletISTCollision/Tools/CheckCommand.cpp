@@ -2,9 +2,9 @@
 #include "BulletISTCollision/Tools/Commands.h"
 
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Import/MeshImport.h"
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
 #include "BulletISTCollision/Tools/AssetCheck.h"
-#include "BulletISTCollision/Tools/ImportApart.h"
 #include "BulletISTCollision/Tools/Report.h"
 
 #include <cstdio>
@@ -31,9 +31,9 @@ bool turnAsRecorded(Mesh& mesh, uint64_t hash)
 /// that state another one. COLLADA files were imported in the stated unit all the same.
 Result<Mesh> recordedMesh(const InnerSphereTree& tree, const std::string& path)
 {
-	Result<Mesh> mesh = importApart(path, tree.provenance.unit);
+	Result<Mesh> mesh = importMesh(path, tree.provenance.unit);
 	if (!mesh || turnAsRecorded(mesh.value(), tree.provenance.meshHash)) return mesh;
-	Result<Mesh> asStated = importApart(path, std::nullopt);
+	Result<Mesh> asStated = importMesh(path, std::nullopt);
 	return asStated && turnAsRecorded(asStated.value(), tree.provenance.meshHash) ? asStated : mesh;
 }
 

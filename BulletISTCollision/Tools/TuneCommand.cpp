@@ -2,8 +2,8 @@
 #include "BulletISTCollision/Tools/Commands.h"
 
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Import/MeshImport.h"
 #include "BulletISTCollision/Core/Tuning/TuneFigures.h"
-#include "BulletISTCollision/Tools/ImportApart.h"
 #include "BulletISTCollision/Tools/Interruption.h"
 #include "BulletISTCollision/Tools/NumberText.h"
 #include "BulletISTCollision/Tools/Report.h"
@@ -33,7 +33,7 @@ Result<TuneBody> bodyOf(const std::string& path)
 		body.tree = std::move(tree).value();
 		return body;
 	}
-	Result<Mesh> mesh = importApart(path, std::nullopt, goesOn);
+	Result<Mesh> mesh = importMesh(path, std::nullopt, goesOn);
 	if (!mesh) return mesh.error();
 	warnOfNotTaken(path, mesh.value());
 	body.mesh = std::move(mesh).value();

@@ -28,6 +28,14 @@ execute_process(COMMAND ${without_bullet} "-DCOMPONENTS=Core\;HapticForce" RESUL
 if(code EQUAL 0 OR NOT text MATCHES "BulletPhysics")
 	message(FATAL_ERROR "HapticForce without Bullet: ${code}\n${text}")
 endif()
+# The program that reads mesh files is that of the installation, and the sentence without it says what to do.
+file(GLOB importer ${WORK}/prefix/lib/bullethaptics-*/bullethaptics-import ${WORK}/prefix/lib/*/bullethaptics-*/bullethaptics-import)
+file(RENAME ${importer} ${importer}-elsewhere)
+execute_process(COMMAND ${WORK}/build/core RESULT_VARIABLE code OUTPUT_VARIABLE text ERROR_VARIABLE text WORKING_DIRECTORY ${WORK}/build)
+if(code EQUAL 0 OR NOT text MATCHES "bullethaptics-import, which is not there; install it with the library")
+	message(FATAL_ERROR "without bullethaptics-import: ${code}\n${text}")
+endif()
+run(${CMAKE_COMMAND} -E env BULLETHAPTICS_IMPORT=${importer}-elsewhere ${WORK}/build/core)
 
 # Where the compiler has no OpenMP it is said what to do.
 if(OPENMP)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-// Mesh files: any bytes are refused, or give triangles whose corners exist and are finite. In between runs assimp, which is as robust
-// as its release. The readers of OFF and PLY in 5.2.5 end the process on some damaged files, so two other formats are tested.
-#include "BulletISTCollision/Core/Import/MeshImport.h"
+// OBJ files: any bytes are refused, or give triangles whose corners exist and are finite. In between runs assimp, which is as robust as its
+// release; it runs in this process, as in that of the importer program.
+#include "BulletISTCollision/Importer/AssimpImport.h"
 
 #include "tests/fuzz/Invariants.h"
 
@@ -36,13 +36,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 {
 	static const Folder folder;
 	if (size == 0) return 0;
-	static constexpr const char* endings[] = {".obj", ".stl"};
-	const std::string path = folder.path / (std::string("mesh") + endings[data[0] % 2]);
+	const std::string path = folder.path / "mesh.obj";
 	std::FILE* file = std::fopen(path.c_str(), "wb");
-	require(file && std::fwrite(data + 1, 1, size - 1, file) == size - 1, "the file is written");
+	require(file && std::fwrite(data, 1, size, file) == size, "the file is written");
 	std::fclose(file);
-	const ist::Result<ist::Mesh> mesh = ist::importMesh(path);
-	const ist::Result<ist::TexturedMesh> textured = ist::importTexturedMesh(path);
+	const ist::Result<ist::TexturedMesh> surface = ist::importByAssimp(path, {}, ist::Wanted::Surface, {}),
+										 textured = ist::importByAssimp(path, {}, ist::Wanted::SurfaceAndPlaces, {});
+	const ist::Result<ist::Mesh> mesh = surface ? ist::Result<ist::Mesh>(surface.value().mesh) : surface.error();
 	std::filesystem::remove(path);
 	if (fuzz::accepted(textured))
 	{

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 // What is read of a mesh file before assimp: archives, their contents, the units in their XML, the text of OBJ. Any bytes give a unit or
 // a refusal.
+#include "BulletISTCollision/Core/Import/Formats/XmlTags.h"
+#include "BulletISTCollision/Core/Import/Formats/ZipArchive.h"
 #include "BulletISTCollision/Core/Import/MeshFileUnit.h"
-#include "BulletISTCollision/Core/Import/XmlTags.h"
-#include "BulletISTCollision/Core/Import/ZipArchive.h"
 
 #include "tests/fuzz/Invariants.h"
 

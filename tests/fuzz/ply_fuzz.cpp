@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // PLY files: any bytes are refused with a reason, or give triangles whose corners exist.
-#include "BulletISTCollision/Core/Import/PlyFile.h"
+#include "BulletISTCollision/Core/Import/Formats/PlyFile.h"
 
 #include "tests/fuzz/Invariants.h"
 

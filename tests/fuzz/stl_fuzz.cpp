@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // STL files: any bytes are refused with a reason, or give triangles whose corners exist.
-#include "BulletISTCollision/Core/Import/StlFile.h"
+#include "BulletISTCollision/Core/Import/Formats/StlFile.h"
 
 #include "tests/fuzz/Invariants.h"
 

@@ -21,7 +21,9 @@ CHAIN = [
     (CORE + "Base", []),
     (CORE + "Geometry", [CORE + "Base"]),
     (CORE + "Mesh", [CORE + "Base"]),
-    (CORE + "Import", [CORE + "Base", CORE + "Mesh"]),
+    (CORE + "Import/Formats", [CORE + "Base", CORE + "Mesh"]),
+    (CORE + "Import", [CORE + "Base", CORE + "Mesh", CORE + "Import/Formats"]),
+    ("BulletISTCollision/Importer", [CORE + "Base", CORE + "Mesh", CORE + "Import"]),
     (CORE + "Distance", [CORE + "Base", CORE + "Mesh"]),
     (CORE + "Repair", [CORE + "Base", CORE + "Mesh", CORE + "Distance"]),
     (CORE + "Packing", [CORE + "Base", CORE + "Geometry", CORE + "Mesh", CORE + "Distance"]),
@@ -95,7 +97,7 @@ CHAIN = [
     ("tests/unit/Core/Geometry", [CORE, "tests/unit/*.h"]),
     ("tests/unit/Core/Mesh", [CORE, "tests/unit/*.h"]),
     ("tests/unit/Core/Base", [CORE, "tests/unit/*.h", "tests/unit/Core/Mesh"]),
-    ("tests/unit/Core/Import", [CORE, "tests/unit/*.h"]),
+    ("tests/unit/Core/Import", [CORE, "BulletISTCollision/Importer", "tests/unit/*.h"]),
     ("tests/unit/Core/Distance", [CORE, "tests/unit/*.h"]),
     ("tests/unit/Core/Repair", [CORE, "tests/unit/*.h", "tests/unit/Core/Mesh"]),
     ("tests/unit/Core/Packing", [CORE, "tests/unit/*.h"]),
@@ -135,7 +137,7 @@ CHAIN = [
 ]
 # Packages that only files whose paths begin so may include.
 GUARDED = {
-    r"^<assimp/": [CORE + "Import/", "tests/"],
+    r"^<assimp/": ["BulletISTCollision/Importer/", "tests/"],
     r"^<nlohmann/": ["BulletISTCollision/Json/JsonValue.cpp", "tests/"],
     r"^<png": ["DeviceBridge/Hand/Grasp/Picture.cpp"],
     r"^<Eigen/": [CORE + "Geometry/MomentEllipsoid.cpp", CORE + "Force/PressureField.cpp", "BulletHapticForce/Law/btContactLaw.cpp",

@@ -33,15 +33,17 @@ bool wasBuiltWith(const InnerSphereTree& tree, uint64_t hash, const BuildOptions
 double doubtAbout(const RepairedMesh& repaired) { return repaired.before.watertight ? 0 : repaired.volumeDoubt / repaired.volumeAfter; }
 
 /// Reason why the mesh is refused, or an empty text when it has an inside.
-std::string whyNoInside(double doubt, double mostDoubt)
+std::string whyNoInside(double doubt, double mostDoubt, RepairMode mode)
 {
 	if (doubt <= mostDoubt) return {};
-	char text[300];
-	std::snprintf(text, sizeof text,
-		"the surface is open, and closing it may change its volume by %.0f %%: it has no inside that a tree could fill; "
-		"close the mesh, close it downwards if it is ground (btISTTreeSource::attachGround, BuildOptions::ground), or leave it to Bullet",
-		std::fmin(doubt, 10) * 100);
-	return text;
+	const std::string percent = std::to_string(std::lround(std::fmin(doubt, 10) * 100)) + " %";
+	if (mode == RepairMode::Ground)
+		return "the ground was closed downwards, but parts of it pass through one another, and rebuilding it on a grid may change its "
+			   "volume by " +
+			percent + "; part them, close it deeper (GroundClosing::depth), or leave it to Bullet";
+	return "the surface is open, and closing it may change its volume by " + percent +
+		": it has no inside that a tree could fill; close the mesh, close it downwards if it is ground (btISTTreeSource::attachGround, "
+		"BuildOptions::ground), or leave it to Bullet";
 }
 
 /// Path of the file that holds the doubt about the mesh of a tree.
@@ -119,7 +121,7 @@ Result<CachedTree> cachedTree(const Mesh& mesh, const BuildOptions& options, con
 			{
 				const Result<double> doubt = doubtBehind(loaded.value(), path, mesh, options);
 				if (!doubt) return doubt.error();
-				if (const std::string reason = whyNoInside(doubt.value(), mostDoubt); !reason.empty()) return Error{reason};
+				if (const std::string reason = whyNoInside(doubt.value(), mostDoubt, options.repair); !reason.empty()) return Error{reason};
 				result.tree = std::make_shared<const InnerSphereTree>(std::move(loaded).value());
 				result.fromCache = true;
 				return result;
@@ -130,7 +132,7 @@ Result<CachedTree> cachedTree(const Mesh& mesh, const BuildOptions& options, con
 	const Result<RepairedMesh> repaired = repairToBuild(mesh, options);
 	if (!repaired) return repaired.error();
 	const double doubt = doubtAbout(repaired.value());
-	if (const std::string reason = whyNoInside(doubt, mostDoubt); !reason.empty()) return Error{reason};
+	if (const std::string reason = whyNoInside(doubt, mostDoubt, options.repair); !reason.empty()) return Error{reason};
 	Result<InnerSphereTree> built = buildRepaired(mesh, repaired.value(), options);
 	if (!built) return built.error();
 	if (!path.empty())

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Import/MeshFileUnit.h"
 
-#include "BulletISTCollision/Core/Import/MeshText.h"
-#include "BulletISTCollision/Core/Import/ObjForAssimp.h"
-#include "BulletISTCollision/Core/Import/XmlTags.h"
-#include "BulletISTCollision/Core/Import/ZipArchive.h"
+#include "BulletISTCollision/Core/Import/Formats/MeshText.h"
+#include "BulletISTCollision/Core/Import/Formats/ObjForAssimp.h"
+#include "BulletISTCollision/Core/Import/Formats/XmlTags.h"
+#include "BulletISTCollision/Core/Import/Formats/ZipArchive.h"
+#include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
 
 #include <algorithm>
 #include <cctype>
@@ -32,7 +33,6 @@ constexpr NamedUnit kUnitsOf3mf[] = {
 constexpr NamedUnit kUnitsOfAmf[] = {
 	{"micron", 1e-6}, {"millimeter", 1e-3}, {"millimeters", 1e-3}, {"inch", 0.0254}, {"feet", 0.3048}, {"meter", 1}};
 constexpr double kMillimetre = 1e-3;
-constexpr std::string_view kModelOf3mf = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel";
 
 /// The text in lower case, without surrounding blanks.
 std::string plain(std::string text)
@@ -82,36 +82,17 @@ MeshFileUnit unitOfXml(std::string_view text)
 	return {};
 }
 
-/// The model that the relations of a package name; empty optional if it is no 3MF file.
-std::optional<std::string> modelName(const ZipArchive& archive)
-{
-	const std::optional<std::string> relations = archive.read("_rels/.rels");
-	if (!relations) return std::nullopt;
-	for (XmlTags tags(*relations); tags.next();)
-		if (tags.name() == "Relationship" && tags.attribute("Type") == kModelOf3mf) return nameInZip(tags.attribute("Target").value_or(""));
-	return std::nullopt;
-}
-
 Result<MeshFileHead> headOfArchive(const std::string& path, const ZipArchive& archive)
 {
 	const std::string ending = meshFileEnding(path);
-	const std::optional<std::string> name = modelName(archive);
-	const std::optional<std::string> model = name ? archive.read(*name) : std::nullopt;
-	if (name && (!model || model->empty()))
-		return Error{"cannot read " + path + ": its model \"" + *name + "\" is missing or damaged; export the mesh again"};
-	// Assimp ends the process on a file whose checksum is wrong, and it opens more files than the model. We give it the text of an AMF
-	// file, so that it opens no archive there. Each file is checked by its index, because two may have the same name.
+	if (const auto& names = archive.names(); std::find(names.begin(), names.end(), "[Content_Types].xml") != names.end())
+		return Error{"cannot read " + path + ": it is an archive of the kind of 3MF files; if it is one, let its name end with .3mf"};
+	// Assimp ends the process on a file whose checksum is wrong. We give it the text of an AMF file, so that it opens no archive there.
+	// Each file is checked by its index, because two may have the same name.
 	for (size_t i = 0; i < archive.names().size() && ending != ".amf"; ++i)
 		if (const std::string& other = archive.names()[i]; !other.empty() && other.back() != '/' && !archive.read(i))
 			return Error{"cannot read " + path + ": \"" + other +
 				"\" in it is damaged, or packed in a way that is not known; export the mesh again"};
-	if (model)
-	{
-		XmlTags tags(*model);
-		return MeshFileHead{namedUnit("3MF", kUnitsOf3mf, tags.next() ? tags.attribute("unit") : std::nullopt), {}};
-	}
-	if (ending == ".3mf")
-		return Error{"cannot read " + path + ": it is an archive that names no model, so it is no whole 3MF file; export the mesh again"};
 	for (const std::string& name : archive.names())
 	{
 		const bool isCollada = ending == ".zae" && plain(name).ends_with(".dae");
@@ -137,8 +118,7 @@ std::optional<std::string> contentOf(const std::string& path)
 	const size_t first = start.find_first_not_of(" \t\r\n");
 	const bool isXml = first != start.npos && (start[first] == '<' || needsUtf8(start));
 	const std::string ending = meshFileEnding(path);
-	if (!isXml && !start.starts_with("PK") && ending != ".3mf" && ending != ".zae" && ending != ".obj" && ending != ".ply")
-		return std::nullopt;
+	if (!isXml && !start.starts_with("PK") && ending != ".zae" && ending != ".obj" && ending != ".ply") return std::nullopt;
 	file.clear();
 	file.seekg(0);
 	std::string content(std::filesystem::file_size(path, failure), '\0');
@@ -147,6 +127,30 @@ std::optional<std::string> contentOf(const std::string& path)
 	return content;
 }
 }  // namespace
+
+MeshFileUnit unitOf3mf(const std::optional<std::string>& stated) { return namedUnit("3MF", kUnitsOf3mf, stated); }
+
+Result<Scale> scaleOf(const std::string& path, const MeshFileUnit& file, const std::optional<double>& given)
+{
+	// Tolerance for units in text, which have few digits.
+	constexpr double kSame = 1e-6;
+	if (!(file.metres > 0) && (!given || file.appliedByReader))
+		return Error{path + ": it states \"" + file.stated + "\" as its unit, which is none of " + file.format + " files; correct it" +
+			(file.appliedByReader ? "" : ", or pass its unit to importMesh()")};
+	const double applied = file.appliedByReader ? file.metres : 1;
+	if (!given) return Scale{file.metres, file.metres / applied, {}};
+	if (std::fabs(*given - file.metres) <= kSame * file.metres) return Scale{file.metres, file.appliedByReader ? 1 : *given, {}};
+	Scale scale{*given, *given / applied, {}};
+	const std::string states = file.stated.empty()
+		? "The file states no unit, for which the " + file.format + " format has " + lengthWords(file.metres)
+		: file.appliedByReader
+		? "The file states " + lengthWords(file.metres) + " as its unit"
+		: "The file states \"" + file.stated + "\" as its unit" + (file.metres > 0 ? ", " + lengthWords(file.metres) : "");
+	if (!file.format.empty()) scale.notTaken = states + "; in its place the given unit was applied, " + lengthWords(*given) + ".";
+	return scale;
+}
+
+std::string lengthWords(double metres) { return number(metres) + " m"; }
 
 std::string meshFileEnding(const std::string& path) { return plain(std::filesystem::path(path).extension().string()); }
 
@@ -166,8 +170,7 @@ Result<MeshFileHead> meshFileHead(const std::string& path, std::string_view cont
 		return MeshFileHead{{}, std::move(text).value()};
 	}
 	if (const std::optional<ZipArchive> archive = ZipArchive::open(content)) return headOfArchive(path, *archive);
-	if (ending == ".3mf" || content.starts_with("PK\3\4"))
-		return Error{"cannot read " + path + ": its archive is damaged; export the mesh again"};
+	if (content.starts_with("PK\3\4")) return Error{"cannot read " + path + ": its archive is damaged; export the mesh again"};
 	if (!needsUtf8(content)) return MeshFileHead{unitOfXml(content), {}};
 	std::string text = utf8Text(content);
 	const MeshFileUnit unit = unitOfXml(text);

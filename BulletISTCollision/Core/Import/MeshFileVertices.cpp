@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Import/MeshFileVertices.h"
 
+#include "BulletISTCollision/Core/Import/Formats/ObjForAssimp.h"
 #include "BulletISTCollision/Core/Import/MeshFileUnit.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
-#include "BulletISTCollision/Core/Import/ObjForAssimp.h"
 
 #include <fstream>
 #include <iterator>

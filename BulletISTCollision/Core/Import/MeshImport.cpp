@@ -1,34 +1,19 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Import/MeshImport.h"
 
-#include "BulletISTCollision/Core/Import/LeftOut.h"
+#include "BulletISTCollision/Core/Import/Formats/PackageFile.h"
+#include "BulletISTCollision/Core/Import/Formats/PlyFile.h"
+#include "BulletISTCollision/Core/Import/Formats/StlFile.h"
+#include "BulletISTCollision/Core/Import/ImportApart.h"
+#include "BulletISTCollision/Core/Import/ImportChecks.h"
 #include "BulletISTCollision/Core/Import/MeshFileUnit.h"
-#include "BulletISTCollision/Core/Import/MeshReaderWarnings.h"
-#include "BulletISTCollision/Core/Import/PlyFile.h"
-#include "BulletISTCollision/Core/Import/StlFile.h"
-#include "BulletISTCollision/Core/Import/ThreadLocale.h"
 #include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
 
-#include <assimp/DefaultIOSystem.h>
-#include <assimp/IOStream.hpp>
-#include <assimp/Importer.hpp>
-#include <assimp/MemoryIOWrapper.h>
-#include <assimp/config.h>
-#include <assimp/importerdesc.h>
-#include <assimp/postprocess.h>
-#include <assimp/scene.h>
-#include <assimp/version.h>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <exception>
 #include <filesystem>
 #include <fstream>
-#include <memory>
-#include <optional>
-#include <stdexcept>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -36,308 +21,6 @@ namespace ist
 {
 namespace
 {
-bool mirrors(const aiMatrix4x4& m) { return aiMatrix3x3(m).Determinant() < 0; }
-
-/// Transforms in double, because assimp's own transform is single precision.
-Vec3 transformedPoint(const aiMatrix4x4& m, const aiVector3D& v)
-{
-	const double x = v.x, y = v.y, z = v.z;
-	return {m.a1 * x + m.a2 * y + m.a3 * z + m.a4, m.b1 * x + m.b2 * y + m.b3 * z + m.b4, m.c1 * x + m.c2 * y + m.c3 * z + m.c4};
-}
-
-/// Largest distance between neighbouring single-precision coordinates, as a share of the longest side.
-constexpr double kBlurred = 1e-3;
-/// Share of the stage that reading takes. Copying the triangles takes the rest.
-constexpr double kReading = 0.9;
-
-/// Calls the caller's progress callback in the caller's locale.
-class ImportProgress
-{
-public:
-	ImportProgress(const Progress& progress, locale_t callers) : m_progress(progress), m_callers(callers) {}
-	bool reach(double fraction)
-	{
-		const ThreadLocale callers(m_callers);
-		m_fraction = std::clamp(fraction, m_fraction, 1.0);
-		m_cancelled = m_cancelled || (m_progress && !m_progress("import", m_fraction));
-		return !m_cancelled;
-	}
-	bool cancelled() const { return m_cancelled; }
-
-private:
-	const Progress& m_progress;
-	locale_t m_callers;
-	double m_fraction = 0;
-	bool m_cancelled = false;
-};
-
-/// Reads in blocks, and reports progress between them. It goes on reading after a cancellation, because assimp's loaders leak memory when
-/// a read fails. It throws if a loader reads the file endlessly, as the PLY loader does with a damaged header.
-class ProgressStream : public Assimp::IOStream
-{
-public:
-	ProgressStream(Assimp::IOStream* stream, ImportProgress& importProgress) : m_stream(stream), m_progress(importProgress) {}
-	size_t Read(void* buffer, size_t size, size_t count) override
-	{
-		constexpr size_t kBlock = size_t(1) << 24;
-		const size_t atOnce = std::max<size_t>(1, kBlock / std::max<size_t>(1, size));
-		size_t done = 0;
-		while (done < count)
-		{
-			const size_t wanted = std::min(atOnce, count - done),
-						 read = m_stream->Read(static_cast<char*>(buffer) + done * size, size, wanted);
-			done += read;
-			m_taken += 1 + read * size;
-			if (m_taken > kMostTimes * m_stream->FileSize() + kAtLeast)
-				throw std::runtime_error("it is damaged: assimp finds no end in it");
-			const auto total = static_cast<double>(std::max<size_t>(1, m_stream->FileSize()));
-			m_progress.reach(kReading * static_cast<double>(m_stream->Tell()) / total);
-			if (read < wanted) break;
-		}
-		return done;
-	}
-	size_t Write(const void*, size_t, size_t) override { return 0; }
-	aiReturn Seek(size_t offset, aiOrigin origin) override { return m_stream->Seek(offset, origin); }
-	size_t Tell() const override { return m_stream->Tell(); }
-	size_t FileSize() const override { return m_stream->FileSize(); }
-	void Flush() override {}
-
-private:
-	// Limit of the bytes read, as a multiple of the file's size: a loader reads a file once, or a few times.
-	static constexpr size_t kMostTimes = 16, kAtLeast = size_t(1) << 20;
-	std::unique_ptr<Assimp::IOStream> m_stream;
-	ImportProgress& m_progress;
-	size_t m_taken = 0;
-};
-
-class ProgressFiles : public Assimp::DefaultIOSystem
-{
-public:
-	/// `content`, if present, replaces that of the file at `path`; it must outlive this object.
-	ProgressFiles(ImportProgress& importProgress, const std::string& path, const std::optional<std::string>& content)
-		: m_progress(importProgress),
-		  m_path(path),
-		  m_content(content)
-	{}
-	Assimp::IOStream* Open(const char* file, const char* mode) override
-	{
-		const bool isReplaced = m_content && m_path == file;
-		Assimp::IOStream* stream = isReplaced
-			? new Assimp::MemoryIOStream(reinterpret_cast<const uint8_t*>(m_content->data()), m_content->size())
-			: DefaultIOSystem::Open(file, mode);
-		return stream ? new ProgressStream(stream, m_progress) : nullptr;
-	}
-	void Close(Assimp::IOStream* stream) override { delete stream; }
-
-private:
-	ImportProgress& m_progress;
-	const std::string& m_path;
-	const std::optional<std::string>& m_content;
-};
-
-/// Distance between neighbouring single-precision values at the farthest coordinate of a box, as a share of its longest side.
-double blur(const Box& box)
-{
-	double farthest = 0;
-	for (int axis = 0; axis < 3; ++axis) farthest = std::max({farthest, std::fabs(box.lower[axis]), std::fabs(box.upper[axis])});
-	const double longest = box.longestSide();
-	return longest > 0 ? farthest * 0x1p-23 / longest : 0;
-}
-
-double blur(const aiMesh& part)
-{
-	if (part.mNumVertices == 0) return 0;
-	const aiVector3D& first = part.mVertices[0];
-	Box box{{first.x, first.y, first.z}, {first.x, first.y, first.z}};
-	for (unsigned i = 0; i < part.mNumVertices; ++i)
-		for (int axis = 0; axis < 3; ++axis)
-		{
-			box.lower[axis] = std::min<double>(box.lower[axis], part.mVertices[i][unsigned(axis)]);
-			box.upper[axis] = std::max<double>(box.upper[axis], part.mVertices[i][unsigned(axis)]);
-		}
-	return blur(box);
-}
-
-/// Distance between neighbouring single-precision values at the coordinates that a vertex and its transform consist of [units of the
-/// file].
-struct Rounding
-{
-	double inPart = 0;        ///< without the part's translation, which is the same for all of its corners
-	double betweenParts = 0;  ///< with the part's translation
-};
-
-void include(Rounding& rounding, const aiMatrix4x4& m, const aiVector3D& v)
-{
-	const auto add = [&](double a, double b, double c, double d) {
-		const double sum = std::fabs(a * v.x) + std::fabs(b * v.y) + std::fabs(c * v.z);
-		rounding.inPart = std::max(rounding.inPart, 0x1p-23 * sum);
-		rounding.betweenParts = std::max(rounding.betweenParts, 0x1p-23 * (sum + std::fabs(d)));
-	};
-	add(m.a1, m.a2, m.a3, m.a4);
-	add(m.b1, m.b2, m.b3, m.b4);
-	add(m.c1, m.c2, m.c3, m.c4);
-}
-
-/// Removes elements that are not faces, and faces with invalid corners: assimp does not check them, and triangulating them reads beyond
-/// the vertices. The part's primitive types are set to those that remain. Otherwise assimp ends the process if it expects polygons and
-/// finds none.
-void removeInvalidFaces(aiMesh& part, LeftOut& out)
-{
-	unsigned kept = 0, kinds = part.mPrimitiveTypes & aiPrimitiveType_NGONEncodingFlag;
-	for (unsigned i = 0; i < part.mNumFaces; ++i)
-	{
-		aiFace& face = part.mFaces[i];
-		const bool isValid = std::all_of(
-			face.mIndices, face.mIndices + face.mNumIndices, [&](unsigned corner) { return corner < part.mNumVertices; });
-		if (!out.takes(face.mNumIndices, isValid)) continue;
-		kinds |= AI_PRIMITIVE_TYPE_FOR_N_INDICES(face.mNumIndices);
-		std::swap(part.mFaces[kept].mNumIndices, face.mNumIndices);
-		std::swap(part.mFaces[kept++].mIndices, face.mIndices);
-	}
-	part.mNumFaces = kept;
-	part.mPrimitiveTypes = kinds;
-}
-
-/// The parts that exist: the 3MF reader leaves null pointers if two objects have the same id.
-std::vector<aiMesh*> partsOf(const aiScene& scene)
-{
-	std::vector<aiMesh*> parts(scene.mMeshes, scene.mMeshes + scene.mNumMeshes);
-	std::erase(parts, nullptr);
-	return parts;
-}
-
-LeftOut removeInvalidFaces(const aiScene& scene)
-{
-	LeftOut out;
-	for (aiMesh* part : partsOf(scene)) removeInvalidFaces(*part, out);
-	return out;
-}
-
-constexpr std::string_view k3mfReader = "3mf Importer";
-
-/// Name of the reader that read the last file.
-std::string_view readerName(const Assimp::Importer& importer)
-{
-	const aiImporterDesc* reader = importer.GetImporterInfo(static_cast<size_t>(importer.GetPropertyInteger("importerIndex", -1)));
-	return reader ? reader->mName : "";
-}
-
-/// The reader of 3MF in assimp 5.2.5 to 5.3 deletes the pictures of a file before it returns. The scene still lists them and would delete
-/// them again. Release 5.2.5 calls itself 5.2.4, and the releases before it call themselves 5.2.0.
-void forgetDeletedPictures(aiScene& scene, const Assimp::Importer& importer)
-{
-	const std::array version{aiGetVersionMajor(), aiGetVersionMinor(), aiGetVersionPatch()}, first{5u, 2u, 4u}, good{5u, 4u, 0u};
-	if (version < first || version >= good || readerName(importer) != k3mfReader) return;
-	delete[] scene.mTextures;
-	scene.mTextures = nullptr;
-	scene.mNumTextures = 0;
-}
-
-/// What assimp says about faces of damaged files.
-std::vector<std::string> sentences(const std::vector<std::string>& warnings)
-{
-	std::vector<std::string> all;
-	for (const std::string& warning : warnings)
-		all.push_back("The reader left faces out, or gave them other corners, because the file is damaged (\"" + warning +
-			"\"); export the mesh again.");
-	return all;
-}
-
-/// Contents to take from a file.
-enum class Wanted
-{
-	Surface,
-	SurfaceAndPlaces  // with texture coordinates
-};
-
-/// Texture coordinates of a corner; NaN if the file has none.
-TexturePlace placeOf(const aiMesh& part, uint32_t corner)
-{
-	if (!part.HasTextureCoords(0)) return {std::nan(""), std::nan("")};
-	const aiVector3D& place = part.mTextureCoords[0][corner];
-	return {place.x, place.y};
-}
-
-void append(TexturedMesh& textured, Rounding& rounding, const aiMesh& part, const aiMatrix4x4& transform, double unit, Wanted wanted)
-{
-	Mesh& out = textured.mesh;
-	const auto base = static_cast<uint32_t>(out.vertices.size());
-	for (unsigned i = 0; i < part.mNumVertices; ++i)
-	{
-		out.vertices.push_back(unit * transformedPoint(transform, part.mVertices[i]));
-		include(rounding, transform, part.mVertices[i]);
-	}
-	const bool mirrored = mirrors(transform);
-	for (unsigned i = 0; i < part.mNumFaces; ++i)
-	{
-		const aiFace& face = part.mFaces[i];
-		if (face.mNumIndices != 3) continue;
-		uint32_t a = face.mIndices[0], b = face.mIndices[1], c = face.mIndices[2];
-		if (mirrored) std::swap(b, c);
-		out.triangles.push_back({base + a, base + b, base + c});
-		if (wanted == Wanted::SurfaceAndPlaces) textured.places.push_back({placeOf(part, a), placeOf(part, b), placeOf(part, c)});
-	}
-}
-
-/// The rounding as a share of the mesh's longest side, from lengths in units of the file. Parts whose rounding exceeds the allowed blur
-/// are not welded to each other.
-double share(const Rounding& rounding, bool inOnePlace, double side)
-{
-	const double between = rounding.betweenParts / side;
-	return inOnePlace || between > kBlurred ? rounding.inPart / side : between;
-}
-
-TexturedMesh gather(const aiScene& scene, double unit, Wanted wanted, ImportProgress& importProgress)
-{
-	TexturedMesh textured;
-	Rounding rounding;
-	std::optional<Vec3> place;
-	bool inOnePlace = true;
-	std::vector<std::pair<const aiNode*, aiMatrix4x4>> open{{scene.mRootNode, aiMatrix4x4()}};
-	for (size_t done = 1; !open.empty() && importProgress.reach(kReading + (1 - kReading) * double(done) / double(done + open.size()));
-		 ++done)
-	{
-		const auto [node, parentTransform] = open.back();
-		open.pop_back();
-		const aiMatrix4x4 transform = parentTransform * node->mTransformation;
-		for (unsigned i = 0; i < node->mNumMeshes; ++i)
-		{
-			const aiMesh* part = scene.mMeshes[node->mMeshes[i]];
-			if (!part || !(part->mPrimitiveTypes & aiPrimitiveType_TRIANGLE)) continue;
-			append(textured, rounding, *part, transform, unit, wanted);
-			const Vec3 here{transform.a4, transform.b4, transform.c4};
-			inOnePlace = inOnePlace && here == place.value_or(here);
-			place = here;
-		}
-		for (unsigned i = node->mNumChildren; i-- > 0;) open.emplace_back(node->mChildren[i], transform);
-	}
-	if (const double side = bounds(textured.mesh).longestSide(); side > 0)
-		textured.mesh.rounding = std::max(textured.mesh.rounding, share(rounding, inOnePlace, side / unit));
-	return textured;
-}
-
-std::optional<Error> notFinitePlace(const TexturedMesh& textured, const std::string& path)
-{
-	for (std::size_t t = 0; t < textured.places.size(); ++t)
-		for (const TexturePlace& place : textured.places[t])
-			if (!std::isfinite(place.u) || !std::isfinite(place.v))
-				return Error{path + ": the texture coordinates of triangle " + std::to_string(t) + " at " +
-					ist::place(textured.mesh.vertices[textured.mesh.triangles[t][0]]) + " are not finite; export the mesh again"};
-	return std::nullopt;
-}
-
-constexpr const char* kUnwrap = "unwrap the mesh (in Blender: Edit Mode, U, Smart UV Project) and export it with them";
-
-std::optional<Error> checkPlaces(const TexturedMesh& textured, const aiScene& scene, const std::string& path)
-{
-	const std::vector<aiMesh*> parts = partsOf(scene);
-	for (std::size_t i = 0; i < parts.size(); ++i)
-		if ((parts[i]->mPrimitiveTypes & aiPrimitiveType_TRIANGLE) && !parts[i]->HasTextureCoords(0))
-			return Error{path + ": part " + std::to_string(i + 1) + " of " + std::to_string(parts.size()) +
-				" has no texture coordinates; " + kUnwrap};
-	return notFinitePlace(textured, path);
-}
-
 std::optional<Error> whyNoMeshFile(const std::string& path)
 {
 	std::error_code failure;
@@ -347,111 +30,6 @@ std::optional<Error> whyNoMeshFile(const std::string& path)
 	if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(path, failure) == 0 && !failure)
 		return Error{"cannot read " + path + ": it is empty (0 bytes); export the mesh again"};
 	return std::nullopt;
-}
-
-/// Assimp's error message without the full stop.
-std::string reasonOf(const Assimp::Importer& importer)
-{
-	std::string reason = importer.GetErrorString();
-	while (!reason.empty() && (reason.back() == '.' || reason.back() == ';' || reason.back() == ' ')) reason.pop_back();
-	return reason.empty() ? "assimp does not say why" : reason;
-}
-
-/// Conversion from the reader's coordinates to metres.
-struct Scale
-{
-	double unit = 1;    ///< metres per unit of the file
-	double factor = 1;  ///< factor on the reader's coordinates
-	std::optional<std::string> notTaken;
-};
-
-/// A unit as text with six digits, as messages contain it.
-std::string unitWords(double metres) { return number(metres) + " m"; }
-
-Result<Scale> scaleOf(const std::string& path, const MeshFileUnit& file, const std::optional<double>& given)
-{
-	// Tolerance for units in text, which have few digits.
-	constexpr double kSame = 1e-6;
-	if (!(file.metres > 0) && (!given || file.appliedByReader))
-		return Error{path + ": it states \"" + file.stated + "\" as its unit, which is none of " + file.format + " files; correct it" +
-			(file.appliedByReader ? "" : ", or pass its unit to importMesh()")};
-	const double applied = file.appliedByReader ? file.metres : 1;
-	if (!given) return Scale{file.metres, file.metres / applied, {}};
-	if (std::fabs(*given - file.metres) <= kSame * file.metres) return Scale{file.metres, file.appliedByReader ? 1 : *given, {}};
-	Scale scale{*given, *given / applied, {}};
-	const std::string states = file.stated.empty()
-		? "The file states no unit, for which the " + file.format + " format has " + unitWords(file.metres)
-		: file.appliedByReader
-		? "The file states " + unitWords(file.metres) + " as its unit"
-		: "The file states \"" + file.stated + "\" as its unit" + (file.metres > 0 ? ", " + unitWords(file.metres) : "");
-	if (!file.format.empty()) scale.notTaken = states + "; in its place the given unit was applied, " + unitWords(*given) + ".";
-	return scale;
-}
-
-/// FBX files state centimetres per unit. Many are in metres all the same, so the reader's coordinates are not scaled.
-std::optional<std::string> unitOfFbx(const aiScene& scene, const Assimp::Importer& importer, const std::optional<double>& given)
-{
-	float centimetres = 0;
-	if (given || readerName(importer) != "Autodesk FBX Importer" || !scene.mMetaData ||
-		!scene.mMetaData->Get("UnitScaleFactor", centimetres))
-		return std::nullopt;
-	if (!(centimetres > 0) || centimetres == 100) return std::nullopt;
-	const std::string metres = unitWords(0.01 * double(centimetres));
-	return "The file states " + metres +
-		" as its unit, which is not applied to FBX files: its coordinates were taken as metres; pass its unit to importMesh() if they "
-		"are not.";
-}
-
-/// The part of the import that all formats share: refuses meshes that nothing can be made of.
-std::optional<Error> whyUnusable(const Mesh& mesh, const std::string& path, double worstBlur)
-{
-	if (const std::string where = whereNotFinite(mesh); !where.empty()) return Error{path + ": " + where + "; export the mesh again"};
-	if (mesh.triangles.empty()) return Error{path + " contains no triangles; export the surface as polygons"};
-	if (worstBlur > kBlurred)
-		return Error{path + ": the mesh lies so far from its origin, " + extent(bounds(mesh)) +
-			", that its coordinates, read in single precision, are exact to " + std::to_string(100 * worstBlur) +
-			" % of its size only; move it to the origin and export it again"};
-	return std::nullopt;
-}
-
-Result<TexturedMesh> readByAssimp(
-	const std::string& path, const std::optional<double>& given, Wanted wanted, ImportProgress& importProgress)
-{
-	const Result<MeshFileHead> head = readMeshFileHead(path);
-	if (!head) return head.error();
-	const Result<Scale> scale = scaleOf(path, head.value().unit, given);
-	if (!scale) return scale.error();
-	Assimp::Importer importer;
-	// Otherwise the reader would turn the file's up axis to y, and a COLLADA file would lie across its own STL twin.
-	importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-	importer.SetIOHandler(new ProgressFiles(importProgress, path, head.value().content));
-	const MeshReaderWarnings warnings;
-	const aiScene* scene = importer.ReadFile(path, 0);
-	// The cast is safe: the importer owns the scene and returns it as const.
-	if (scene) forgetDeletedPictures(const_cast<aiScene&>(*scene), importer);
-	const LeftOut leftOut = scene ? removeInvalidFaces(*scene) : LeftOut();
-	if (const auto sentence = leftOut.tooDamaged()) return Error{path + ": " + *sentence};
-	if (scene) scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-	if (importProgress.cancelled()) return Error{"the import was cancelled", true};
-	if (!scene || !scene->mRootNode)
-		return Error{"cannot read " + path + ": " + reasonOf(importer) +
-			"; the file may be cut short, of a format that assimp does not know, or of another one than its name ends with: export it "
-			"again"};
-	if (readerName(importer) == k3mfReader && head.value().unit.format != "3MF")
-		return Error{"cannot read " + path + ": its archive is damaged; export the mesh again"};
-	TexturedMesh textured = gather(*scene, scale.value().factor, wanted, importProgress);
-	textured.mesh.unit = scale.value().unit;
-	if (importProgress.cancelled()) return Error{"the import was cancelled", true};
-	double worst = 0;
-	for (const aiMesh* part : partsOf(*scene)) worst = std::max(worst, blur(*part));
-	if (const auto error = whyUnusable(textured.mesh, path, worst)) return *error;
-	if (wanted == Wanted::SurfaceAndPlaces)
-		if (auto error = checkPlaces(textured, *scene, path)) return *error;
-	textured.mesh.notTaken = leftOut.sentences();
-	for (std::string& sentence : sentences(warnings.ofFaces())) textured.mesh.notTaken.push_back(std::move(sentence));
-	if (auto sentence = given ? scale.value().notTaken : unitOfFbx(*scene, importer, given))
-		textured.mesh.notTaken.push_back(*std::move(sentence));
-	return textured;
 }
 
 /// Reads the bytes of a file in blocks.
@@ -492,15 +70,11 @@ Result<TexturedMesh> readStlFile(const std::string& path, double unit, Wanted wa
 	return textured;
 }
 
-Result<TexturedMesh> readPlyFile(const std::string& path, double unit, Wanted wanted, ImportProgress& importProgress)
+/// What a reader of texture coordinates has read, in metres and checked. `isDouble`: the file has its numbers in double precision.
+Result<TexturedMesh> inMetres(TexturedMesh textured, const std::string& path, double unit, bool isDouble, Wanted wanted)
 {
-	const Result<std::string> bytes = bytesOf(path, importProgress);
-	if (!bytes) return bytes.error();
-	Result<PlySurface> read = readPly(bytes.value(), [&](double done) { return importProgress.reach(kReading * (0.5 + 0.5 * done)); });
-	if (!read) return read.error().cancelled ? read.error() : Error{"cannot read " + path + ": " + read.error().message};
-	TexturedMesh textured = std::move(read.value().textured);
 	Mesh& mesh = textured.mesh;
-	const double worst = read.value().isDouble ? 0 : blur(bounds(mesh));
+	const double worst = isDouble ? 0 : blur(bounds(mesh));
 	for (Vec3& v : mesh.vertices) v = unit * v;
 	mesh.unit = unit;
 	mesh.rounding = std::max(mesh.rounding, worst);
@@ -511,26 +85,46 @@ Result<TexturedMesh> readPlyFile(const std::string& path, double unit, Wanted wa
 	return textured;
 }
 
+Result<TexturedMesh> readPlyFile(const std::string& path, double unit, Wanted wanted, ImportProgress& importProgress)
+{
+	const Result<std::string> bytes = bytesOf(path, importProgress);
+	if (!bytes) return bytes.error();
+	Result<PlySurface> read = readPly(bytes.value(), [&](double done) { return importProgress.reach(kReading * (0.5 + 0.5 * done)); });
+	if (!read) return read.error().cancelled ? read.error() : Error{"cannot read " + path + ": " + read.error().message};
+	return inMetres(std::move(read.value().textured), path, unit, read.value().isDouble, wanted);
+}
+
+Result<TexturedMesh> readPackageFile(
+	const std::string& path, const std::optional<double>& given, Wanted wanted, ImportProgress& importProgress)
+{
+	const Result<std::string> bytes = bytesOf(path, importProgress);
+	if (!bytes) return bytes.error();
+	Result<PackageSurface> read = readPackage(
+		bytes.value(), [&](double done) { return importProgress.reach(kReading * (0.5 + 0.5 * done)); });
+	if (!read) return read.error().cancelled ? read.error() : Error{"cannot read " + path + ": " + read.error().message};
+	const Result<Scale> scale = scaleOf(path, unitOf3mf(read.value().unit), given);
+	if (!scale) return scale.error();
+	Result<TexturedMesh> textured = inMetres(std::move(read.value().textured), path, scale.value().unit, true, wanted);
+	if (textured && scale.value().notTaken) textured.value().mesh.notTaken.push_back(*scale.value().notTaken);
+	return textured;
+}
+
 Result<TexturedMesh> readMesh(const std::string& path, const std::optional<double>& given, Wanted wanted, ImportProgress& importProgress)
 {
 	if (const auto error = whyNoMeshFile(path)) return *error;
 	const std::string ending = meshFileEnding(path);
 	Result<TexturedMesh> read = ending == ".stl" ? readStlFile(path, given.value_or(1), wanted, importProgress)
 		: ending == ".ply"                       ? readPlyFile(path, given.value_or(1), wanted, importProgress)
-												 : readByAssimp(path, given, wanted, importProgress);
+		: ending == ".3mf"                       ? readPackageFile(path, given, wanted, importProgress)
+												 : importApart(path, given, wanted, importProgress);
 	if (read && !importProgress.reach(1)) return Error{"the import was cancelled", true};
 	return read;
 }
 
 Result<TexturedMesh> importSurface(const std::string& path, const std::optional<double>& unit, Wanted wanted, const Progress& progress)
 {
-	if (unit && (!(*unit > 0) || !std::isfinite(*unit)))
-		return Error{"the unit must be a positive number of metres, not " + std::to_string(*unit)};
-	// assimp's readers of 3MF, AMF and X3D parse numbers with strtod, which depends on the locale: with a decimal comma 1.5 would become
-	// 1.
-	const PlainLocale plain;
-	const ThreadLocale readers(plain.get());
-	ImportProgress importProgress(progress, readers.before());
+	if (unit && (!(*unit > 0) || !std::isfinite(*unit))) return Error{"the unit must be a positive number of metres, not " + number(*unit)};
+	ImportProgress importProgress(progress);
 	if (!importProgress.reach(0)) return Error{"the import was cancelled", true};
 	try
 	{

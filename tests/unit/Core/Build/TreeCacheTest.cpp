@@ -155,6 +155,24 @@ TEST(TreeCache, RefusesSurfacesWithoutAnInside)
 	EXPECT_FALSE(cachedTree(sheet, few(), ""));
 }
 
+TEST(TreeCache, ARefusalOfGroundThatWasClosedNamesWhatIsLeftToDo)
+{
+	// A slab of 4 m x 4 m that is 0.2 m deep, and a box that stands in it.
+	Mesh ground = translated(makeBoxMesh({1, 1, 1}), {2, 0.9, 2});
+	const auto first = static_cast<uint32_t>(ground.vertices.size());
+	for (const Vec3& v : {Vec3{0, 0, 0}, Vec3{4, 0, 0}, Vec3{4, 0, 4}, Vec3{0, 0, 4}}) ground.vertices.push_back(v);
+	ground.triangles.push_back({first, first + 2, first + 1});
+	ground.triangles.push_back({first, first + 3, first + 2});
+	BuildOptions options = few();
+	options.repair = RepairMode::Ground;
+	options.ground = {{1, 1}, 0.2};
+	const auto refused = cachedTree(ground, options, "", 0.02);
+	ASSERT_FALSE(refused);
+	EXPECT_NE(refused.error().message.find("closed downwards, but parts of it pass through one another"), std::string::npos)
+		<< refused.error().message;
+	EXPECT_EQ(refused.error().message.find("if it is ground"), std::string::npos) << refused.error().message;
+}
+
 // The progress calls count the repairs of a mesh: each repair begins at 0.
 TEST(TreeCache, RepairsAnOpenMeshOnceWhereItBuildsAndNeverWhereItLoads)
 {
@@ -179,7 +197,7 @@ TEST(TreeCache, RepairsAnOpenMeshOnceWhereItBuildsAndNeverWhereItLoads)
 	EXPECT_TRUE(loaded.value().fromCache);
 	EXPECT_EQ(encodeAsset(*built.value().tree), encodeAsset(*loaded.value().tree));
 	// A tree that was built with a larger limit of doubt is refused if the limit is smaller.
-	EXPECT_FALSE(cachedTree(open, options, folder.path.string()));
+	EXPECT_FALSE(cachedTree(open, options, folder.path.string(), 0.02));
 	EXPECT_EQ(repairs, 1);
 }
 
@@ -195,10 +213,10 @@ TEST(TreeCache, FindsTheDoubtAgainWhereItsFileIsMissingOrDamaged)
 	for (const char* const text : {"", "0.01 or so", "-1", "nan"})
 	{
 		std::ofstream(file, std::ios::trunc) << text;
-		EXPECT_FALSE(cachedTree(open, few(), folder.path.string())) << text;
+		EXPECT_FALSE(cachedTree(open, few(), folder.path.string(), 0.02)) << text;
 	}
 	std::filesystem::remove(file);
-	EXPECT_FALSE(cachedTree(open, few(), folder.path.string()));
+	EXPECT_FALSE(cachedTree(open, few(), folder.path.string(), 0.02));
 	EXPECT_TRUE(std::filesystem::exists(file));
 	EXPECT_TRUE(cachedTree(open, few(), folder.path.string(), 100).value().fromCache);
 }

@@ -130,7 +130,8 @@ TEST_P(MeshFormats, ImportIsCancelledFromItsProgress)
 	std::vector<double> fractions;
 	ASSERT_TRUE(importMesh(path, 1, [&](const char* stage, double fraction) {
 		EXPECT_STREQ(stage, "import");
-		fractions.push_back(fraction);
+		// While nothing is read, the callback is called with the same fraction again.
+		if (fractions.empty() || fraction != fractions.back()) fractions.push_back(fraction);
 		return true;
 	}));
 	EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
@@ -138,11 +139,14 @@ TEST_P(MeshFormats, ImportIsCancelledFromItsProgress)
 	EXPECT_GT(fractions.size(), 3u);
 	for (std::size_t stop = 0; stop < fractions.size(); stop += 1 + stop / 4)
 	{
-		std::size_t calls = 0;
-		const Result<Mesh> stopped = importMesh(path, 1, [&](const char*, double) { return calls++ < stop; });
+		int callsAfter = -1;
+		const Result<Mesh> stopped = importMesh(path, 1, [&](const char*, double fraction) {
+			if (fraction >= fractions[stop]) ++callsAfter;
+			return fraction < fractions[stop];
+		});
 		ASSERT_FALSE(stopped);
 		EXPECT_TRUE(stopped.error().cancelled) << stopped.error().message;
-		EXPECT_EQ(calls, stop + 1);
+		EXPECT_EQ(callsAfter, 0);
 	}
 }
 

@@ -35,6 +35,30 @@ std::string x3d()
 		"\"/></IndexedFaceSet></Shape></Scene></X3D>";
 }
 
+std::string point(const Vec3& v) { return std::to_string(v.x) + " " + std::to_string(v.y) + " " + std::to_string(v.z) + "\n"; }
+
+std::string plyText()
+{
+	std::string text = "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\nelement face 12\n"
+					   "property list uchar int vertex_indices\nend_header\n";
+	for (const Vec3& v : box().vertices) text += point(v);
+	for (const auto& [a, b, c] : box().triangles)
+		text += "3 " + std::to_string(a) + " " + std::to_string(b) + " " + std::to_string(c) + "\n";
+	return text;
+}
+
+std::string stlText()
+{
+	std::string text = "solid box\n";
+	for (const auto& triangle : box().triangles)
+	{
+		text += "facet normal 0 0 0\nouter loop\n";
+		for (const uint32_t corner : triangle) text += "vertex " + point(box().vertices[corner]);
+		text += "endloop\nendfacet\n";
+	}
+	return text + "endsolid box\n";
+}
+
 std::string movedPackage()
 {
 	std::string model = modelText(box(), "unit=\"meter\"");
@@ -55,7 +79,8 @@ const std::vector<File>& files()
 	static const std::vector<File> all = {{".3mf", packageText(modelText(box(), "unit=\"meter\"")), {}, {1.5, 2.5, 3.9}},
 		{".3mf", movedPackage(), {0.25, 0.25, 0.25}, {1, 1.5, 2.2}},
 		{".amf", amfText(box(), "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<amf unit=\"meter\">"), {}, {1.5, 2.5, 3.9}},
-		{".x3d", x3d(), {}, {1.5, 2.5, 3.9}}, {".obj", objText(box()), {}, {1.5, 2.5, 3.9}}};
+		{".x3d", x3d(), {}, {1.5, 2.5, 3.9}}, {".ply", plyText(), {}, {1.5, 2.5, 3.9}}, {".stl", stlText(), {}, {1.5, 2.5, 3.9}},
+		{".obj", objText(box()), {}, {1.5, 2.5, 3.9}}};
 	return all;
 }
 

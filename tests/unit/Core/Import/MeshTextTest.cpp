@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // Text that assimp does not read as it is: the importer must give what it gives for the same mesh in plain text.
-#include "BulletISTCollision/Core/Import/MeshText.h"
+#include "BulletISTCollision/Core/Import/Formats/MeshText.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
 
 #include <gtest/gtest.h>

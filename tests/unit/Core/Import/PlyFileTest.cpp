@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Import/PlyFile.h"
+#include "BulletISTCollision/Core/Import/Formats/PlyFile.h"
 
 #include "BulletISTCollision/Core/Import/MeshImport.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"

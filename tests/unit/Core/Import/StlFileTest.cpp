@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Import/StlFile.h"
+#include "BulletISTCollision/Core/Import/Formats/StlFile.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Import/ZipArchive.h"
-#include "BulletISTCollision/Core/Import/Inflate.h"
-#include "BulletISTCollision/Core/Import/XmlTags.h"
+#include "BulletISTCollision/Core/Import/Formats/ZipArchive.h"
+#include "BulletISTCollision/Core/Import/Formats/Inflate.h"
+#include "BulletISTCollision/Core/Import/Formats/XmlTags.h"
 
 #include "tests/unit/Core/Import/ZipText.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Import/XmlTags.h"
+#include "BulletISTCollision/Core/Import/Formats/XmlTags.h"
 
 #include <algorithm>
 #include <utility>
@@ -14,6 +14,7 @@ std::string withoutEntities(std::string_view text)
 {
 	static constexpr std::pair<std::string_view, char> kEntities[] = {
 		{"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}};
+	if (text.find('&') == text.npos) return std::string(text);
 	std::string out;
 	while (!text.empty())
 	{
@@ -88,7 +89,7 @@ std::string_view XmlTags::name() const
 	return colon == whole.npos ? whole : whole.substr(colon + 1);
 }
 
-std::optional<std::string> XmlTags::attribute(std::string_view name) const
+template <class Matches> std::optional<std::string> XmlTags::find(const Matches& matches) const
 {
 	for (size_t at = m_tag.find_first_of(kBlanks); at < m_tag.size();)
 	{
@@ -99,9 +100,22 @@ std::optional<std::string> XmlTags::attribute(std::string_view name) const
 		const size_t close = m_tag.find(m_tag[open], open + 1);
 		if (close == m_tag.npos) return std::nullopt;
 		const std::string_view found = m_tag.substr(first, equals - first);
-		if (found.substr(0, found.find_last_not_of(kBlanks) + 1) == name) return withoutEntities(m_tag.substr(open + 1, close - open - 1));
+		if (matches(found.substr(0, found.find_last_not_of(kBlanks) + 1))) return withoutEntities(m_tag.substr(open + 1, close - open - 1));
 		at = close + 1;
 	}
 	return std::nullopt;
+}
+
+std::optional<std::string> XmlTags::attribute(std::string_view name) const
+{
+	return find([&](std::string_view found) { return found == name; });
+}
+
+std::optional<std::string> XmlTags::prefixedAttribute(std::string_view name) const
+{
+	return find([&](std::string_view found) {
+		const size_t colon = found.find(':');
+		return colon != found.npos && found.substr(colon + 1) == name;
+	});
 }
 }  // namespace ist

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Import/StlFile.h"
+#include "BulletISTCollision/Core/Import/Formats/StlFile.h"
 
-#include "BulletISTCollision/Core/Import/MeshText.h"
+#include "BulletISTCollision/Core/Import/Formats/MeshText.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Import/Inflate.h"
+#include "BulletISTCollision/Core/Import/Formats/Inflate.h"
 
 #include <algorithm>
 #include <array>

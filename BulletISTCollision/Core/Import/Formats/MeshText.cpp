@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Import/MeshText.h"
+#include "BulletISTCollision/Core/Import/Formats/MeshText.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Import/PlyFile.h"
+#include "BulletISTCollision/Core/Import/Formats/PlyFile.h"
 
-#include "BulletISTCollision/Core/Import/LeftOut.h"
-#include "BulletISTCollision/Core/Import/MeshText.h"
-#include "BulletISTCollision/Core/Import/PlyHeader.h"
+#include "BulletISTCollision/Core/Import/Formats/LeftOut.h"
+#include "BulletISTCollision/Core/Import/Formats/MeshText.h"
+#include "BulletISTCollision/Core/Import/Formats/PlyHeader.h"
 #include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
 #include "BulletISTCollision/Core/Mesh/PolygonDivision.h"
 

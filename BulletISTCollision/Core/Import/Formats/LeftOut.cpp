@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Import/LeftOut.h"
+#include "BulletISTCollision/Core/Import/Formats/LeftOut.h"
 
 namespace ist
 {

@@ -20,12 +20,20 @@ public:
 	std::string_view name() const;
 	/// Depth of the tag; the root has 1.
 	int depth() const { return m_depth; }
+	/// The value of an attribute, by its name with the prefix.
 	std::optional<std::string> attribute(std::string_view name) const;
+	/// The value of the first attribute that has this name and a prefix.
+	std::optional<std::string> prefixedAttribute(std::string_view name) const;
+	/// Bytes of the text before the end of the tag.
+	size_t position() const { return m_at; }
+	/// After the last tag: whether each element was closed.
+	bool isWhole() const { return m_depth == 0; }
 
 private:
 	bool skipTo(std::string_view end);
 	bool skipDeclaration();
 	bool takeStartTag();
+	template <class Matches> std::optional<std::string> find(const Matches& matches) const;
 
 	std::string_view m_text, m_tag;
 	size_t m_at = 0;

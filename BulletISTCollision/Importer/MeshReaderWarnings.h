@@ -6,9 +6,8 @@
 
 namespace ist
 {
-/// Listens to assimp's log during its lifetime, for messages of this thread about faces that a reader dropped or gave other corners.
-/// Assimp has one log per process. A log that the program has installed goes on as before; otherwise a log exists until the last listener
-/// is destroyed. Listeners may exist in many threads at once, and may be nested in one thread.
+/// Listens to assimp's log during its lifetime, for messages about faces that a reader dropped or gave other corners. Assimp has one log
+/// in a process, so there may be one listener at a time.
 class MeshReaderWarnings
 {
 public:
@@ -22,6 +21,5 @@ public:
 
 private:
 	std::vector<std::string> m_ofFaces;
-	std::vector<std::string>* m_outer;
 };
 }  // namespace ist

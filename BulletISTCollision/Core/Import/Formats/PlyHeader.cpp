@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Import/PlyHeader.h"
+#include "BulletISTCollision/Core/Import/Formats/PlyHeader.h"
 
-#include "BulletISTCollision/Core/Import/MeshText.h"
+#include "BulletISTCollision/Core/Import/Formats/MeshText.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "BulletISTCollision/Core/Import/ZipArchive.h"
+#include "BulletISTCollision/Core/Import/Formats/ZipArchive.h"
 
-#include "BulletISTCollision/Core/Import/Inflate.h"
+#include "BulletISTCollision/Core/Import/Formats/Inflate.h"
 
 #include <algorithm>
 #include <array>
