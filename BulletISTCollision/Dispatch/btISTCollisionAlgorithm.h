@@ -41,7 +41,7 @@ public:
 	/// second call with another `registry` is refused (btISTRegistration::refusal), and the first registration stays as it is. Bullet's
 	/// pools and tables have one owner thread, and so has this. Several worlds of one thread may share `registry`. A
 	/// btCollisionDispatcherMt is refused, too, because it calls algorithms from several threads. To use several threads, give the world
-	/// a btCollisionDispatcher and call `setQueryThreads`.
+	/// a btCollisionDispatcher and call `setQueryThreads`. A class without RTTI that derives from it is not recognised: never pass one.
 	static btISTRegistration registerAlgorithm(
 		btCollisionDispatcher* dispatcher, btOverlappingPairCache* pairCache = nullptr, std::shared_ptr<btISTRegistry> registry = nullptr);
 

@@ -238,7 +238,7 @@ TEST(ExistingWorld, TakesAndGivesBackTheSettingsOfTheSolver)
 	before.m_onlyForNoneContact = true;
 	{
 		btISTWorld ist(*game.world);
-		auto& ours = dynamic_cast<btNNCGConstraintSolver&>(*game.world->getConstraintSolver());
+		auto& ours = static_cast<btNNCGConstraintSolver&>(*game.world->getConstraintSolver());
 		ASSERT_NE(&ours, &before);
 		EXPECT_TRUE(ours.m_onlyForNoneContact);
 		EXPECT_EQ(ours.getRandSeed(), 77u);

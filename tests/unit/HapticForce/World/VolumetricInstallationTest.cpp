@@ -146,11 +146,13 @@ TEST(installVolumetricSolver, CarriesTheWeightInWorldsThatAGameDerived)
 		EXPECT_NEAR(carriedWeight(world, parts.registration), 1, 1e-3);
 		EXPECT_EQ(world.solves, 360);
 	}
+#if defined(__cpp_rtti)  // without RTTI the class is not recognised, and the world is refused
 	{
 		btMultiBodyConstraintSolver stock;
 		OwnMultiBodyWorld world(&parts.dispatcher, &parts.broadphase, &stock, &parts.configuration);
 		EXPECT_NEAR(carriedWeight(world, parts.registration), 1, 1e-3);
 	}
+#endif
 }
 
 // A refused installation returns the reason and replaces nothing. Contact is solved at the representative points.
