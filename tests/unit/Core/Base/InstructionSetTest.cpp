@@ -49,6 +49,19 @@ TEST(InstructionSet, NamesAreParsed)
 	EXPECT_NE(parseInstructionSet("avx9000").error().message.find("unknown"), std::string::npos);
 }
 
+TEST(InstructionSet, TheBestOneIsThatOfTheMachine)
+{
+	EXPECT_STREQ(toString(InstructionSet::Neon), "neon");
+#if defined(__aarch64__)
+	EXPECT_EQ(bestInstructionSet(), InstructionSet::Neon);
+	EXPECT_FALSE(isAvailable(InstructionSet::Baseline));
+#elif defined(__x86_64__)
+	EXPECT_TRUE(isAvailable(InstructionSet::Baseline));
+	EXPECT_NE(bestInstructionSet(), InstructionSet::Portable);
+	EXPECT_FALSE(isAvailable(InstructionSet::Neon));
+#endif
+}
+
 TEST(InstructionSet, TheEnvironmentChooses)
 {
 	{

@@ -352,6 +352,41 @@ TEST(OverlapQuery, InstructionSetsFindTheSamePairsAndDoTheSameWork)
 	}
 }
 
+TEST(OverlapQuery, EveryPairHasTheSameBitsInEveryInstructionSetAndSumsInThoseOfFourLanes)
+{
+	std::mt19937 random(20);
+	const InnerSphereTree A = cloudBody(1500, 1, {1, 2, 3}), B = cloudBody(1000, 2);
+	for (int trial = 0; trial < 5; ++trial)
+	{
+		const Pose X = randomPose(random, A, B, 1.2);
+		QueryWorkspace portable({}, InstructionSet::Portable);
+		QueryOptions options;
+		options.sortPairs = true;
+		const OverlapResult expected = queryOverlap(A, B, X, portable, options);
+		ASSERT_GT(expected.pairCount, 100);
+		for (const InstructionSet set : availableSets())
+		{
+			SCOPED_TRACE(toString(set));
+			QueryWorkspace workspace({}, set);
+			const OverlapResult r = queryOverlap(A, B, X, workspace, options);
+			ASSERT_EQ(r.pairCount, expected.pairCount);
+			for (int i = 0; i < r.pairCount; ++i)
+			{
+				ASSERT_EQ(r.pairs[i].ballA, expected.pairs[i].ballA);
+				ASSERT_EQ(r.pairs[i].ballB, expected.pairs[i].ballB);
+				ASSERT_EQ(r.pairs[i].lens, expected.pairs[i].lens);
+				ASSERT_EQ(r.pairs[i].area, expected.pairs[i].area);
+				ASSERT_EQ(r.pairs[i].centroid, expected.pairs[i].centroid);
+				ASSERT_EQ(r.pairs[i].normal, expected.pairs[i].normal);
+			}
+			if (set != InstructionSet::Baseline && set != InstructionSet::Neon) continue;
+			EXPECT_EQ(r.total.volume, expected.total.volume);
+			EXPECT_EQ(r.total.normalB.torque, expected.total.normalB.torque);
+			EXPECT_EQ(r.total.stiffnessA(2, 5), expected.total.stiffnessA(2, 5));
+		}
+	}
+}
+
 TEST(OverlapQuery, FindsEveryPairUnderAPoseThatIsBarelyRigid)
 {
 	const InnerSphereTree A = cloudBody(3000, 1), B = cloudBody(3000, 2);
