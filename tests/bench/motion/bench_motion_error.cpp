@@ -59,6 +59,7 @@ int main(int argc, char** argv)
 	if (!options) return 2;
 	MotionRecords records(options->runs);
 	std::vector<MotionFindings> all;
+	bool isWhole = true;
 	for (MotionEntry entry : motionScenes())
 	{
 		if (!options->wants(entry.name)) continue;
@@ -68,6 +69,7 @@ int main(int argc, char** argv)
 		if (!found)
 		{
 			std::printf("%s\n", found.error().message.c_str());
+			isWhole = false;
 			continue;
 		}
 		print(found.value());
@@ -75,8 +77,7 @@ int main(int argc, char** argv)
 	}
 	if (all.empty()) return 1;
 	printGains(all);
-	if (options->report.empty()) return 0;
-	if (makePage(all).write(options->report)) return 0;
+	if (options->report.empty() || makePage(all).write(options->report)) return isWhole ? 0 : 1;
 	std::printf("cannot write %s\n", options->report.c_str());
 	return 1;
 }
