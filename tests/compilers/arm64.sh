@@ -56,8 +56,8 @@ quick()
 quiet cmake --build "$build" --target ist devicebridge_command DeviceBridge DeviceBridge-float64 \
 	BulletHapticsTestSupport BulletHapticsTestSupport-float64
 # What a program starts is run by the system, which knows no QEMU.
-printf '#!/bin/sh\nexec qemu-aarch64 -L "%s" "%s" "$@"\n' "$root" "$(echo "$build"/BulletISTCollision/bullethaptics-*/bullethaptics-import)" \
-	>"$folder/import.sh"
+importer=$(echo "$build"/BulletISTCollision/bullethaptics-*/bullethaptics-import)
+printf '#!/bin/sh\nexec qemu-aarch64 -L "%s" "%s" "$@"\n' "$root" "$importer" >"$folder/import.sh"
 chmod +x "$folder/import.sh"
 export BULLETHAPTICS_IMPORT=$folder/import.sh
 status=0
