@@ -55,7 +55,7 @@ TEST_P(DemoFigures, AreAsPhysicsSays)
 }
 INSTANTIATE_TEST_SUITE_P(Demos, DemoFigures, testing::ValuesIn(demoCatalog()), testNameOf);
 
-/// A hand feels each demo of bodies: a simulated one presses its tool, or a ball above the highest body, by as much as the ball is wide.
+/// A hand feels each demo of bodies: a simulated one presses its tool, or a ball above the highest point, by as much as the ball is wide.
 class DemoHand : public testing::TestWithParam<DemoEntry>
 {};
 TEST_P(DemoHand, TouchesABodyOrSaysWhyItCannot)
