@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Zlib
-# Installs into a folder and does there what the tutorial and the page about a first hand say, and with GMOCK also what the page about tests says.
+# Installs into a folder and does there what the tutorial and the page about a first hand say.
+# With GMOCK it does also what the page about tests says.
 # Arguments: BUILD, SOURCE (the project), WORK, GMOCK.
 cmake_minimum_required(VERSION 3.25)
 

@@ -5,7 +5,8 @@
 Each program of the page is built by the first ```sh block, and the last program by the other blocks, too.
 The library as part of the build is configured only, because consumer_game_add_subdirectory builds one. The assets are of two boxes.
 Further pages have a CMakeLists.txt and a program of their own, which are built and run, too.
-Usage: run_tutorial.py TUTORIAL PREFIX FOLDER [PAGE...], PREFIX being where the library is installed, which the page calls ~/bullethaptics"""
+Usage: run_tutorial.py TUTORIAL PREFIX FOLDER [PAGE...]
+PREFIX is where the library is installed, which the pages call ~/bullethaptics."""
 import os
 import pathlib
 import re

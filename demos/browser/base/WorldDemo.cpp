@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 using namespace ist;
 
@@ -106,13 +107,11 @@ std::optional<Error> WorldDemo::feelWith(devicebridge::Device& device, double sc
 	const double radius = kBallPerView * viewpoint().distance / m_parts.front().zoom;
 	SolidPtr ball;
 	if (auto refused = makeSolid(ball, "ball of the hand", makeSphereMesh(radius, 3), kBallSpheres, {})) return refused;
-	btVector3 top = toBullet(viewpoint().target);
+	Vec3 top{0, -std::numeric_limits<double>::infinity(), 0};
 	for (const DemoWorld::Body& b : world().bodies())
-	{
-		btVector3 lower, upper;
-		b.body->getAabb(lower, upper);
-		if (&b == &world().bodies().front() || upper.y() > top.y()) top = btScalar(0.5) * (lower + upper), top.setY(upper.y());
-	}
+		for (const Vec3& vertex : b.visibleMesh().vertices)
+			if (const Vec3 p = b.X_WP() * vertex; p.y > top.y) top = p;
+	if (!isFinite(top)) top = viewpoint().target;
 	// Light, so that the coupling of this device moves it at once.
 	devicebridge::DeviceInfo limits = device.info();
 	scaleLimits(limits, scale);
@@ -120,7 +119,7 @@ std::optional<Error> WorldDemo::feelWith(devicebridge::Device& device, double sc
 	setup.name = ball->name;
 	setup.mass = devicebridge::gainsForDevice(limits, 1e-3).stiffness / (kBallFrequency * kBallFrequency);
 	setup.colour = {0.85f, 0.65f, 0.2f};
-	setup.X_WM.translation = toVec3(top) + Vec3{0, 1.5 * radius, 0};
+	setup.X_WM.translation = top + Vec3{0, 1.5 * radius, 0};
 	m_ball = world().add(ball, std::move(setup));
 	if (!m_ball) return world().error();
 	auto refused = feel(device, *m_ball, scale);

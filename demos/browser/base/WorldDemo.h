@@ -34,7 +34,7 @@ public:
 	void drag(const ist::Vec3& shift, const ist::Vec3& turn) override { m_hand.move(shift, turn); }
 	void release() override { m_hand.release(); }
 	void keepAwake(bool on) override;
-	/// The hand feels a ball above the highest body, which is there as long as it is felt.
+	/// The hand feels a ball above the highest point, which is there as long as it is felt.
 	std::optional<ist::Error> feelWith(devicebridge::Device& device, double scale) override;
 	void stopFeeling() override;
 	std::string felt() const override;

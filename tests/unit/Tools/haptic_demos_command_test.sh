@@ -52,7 +52,8 @@ assert r['schema'] == 1 and r['economy'] == ('$economy' != 'off') and r['queries
 assert (r['kept'] > 0) == ('$economy' != 'off'), r
 " || failures=$((failures + 1))
 done
-expect "a value in place of a scene's" 0 "" "$demos" --scene "$dir/good.json" --set duration=0.1 --set topology=contact-in-tick --virtual-time --cache "" --json
+expect "a value in place of a scene's" 0 "" "$demos" --scene "$dir/good.json" --virtual-time --cache "" --json \
+	--set duration=0.1 --set topology=contact-in-tick
 python3 -c "
 import json
 r = json.load(open('$dir/out'))
