@@ -26,7 +26,9 @@ const std::vector<DemoEntry>& demoCatalog()
 		{"hello", "First steps", "Two rings on a plane, one lying, one falling: the whole library in one file", makeHello},
 		{"packing", "First steps", "Any mesh, or one that is dropped on the window, is filled with spheres, the largest first",
 			makePacking},
-		{"dial", "First steps", "You set the force error that you accept; charts show the error bound, the true error and the cost",
+		{"dial", "First steps",
+			"You set the force error that you accept; charts show the error bound, the true error and the cost, and the error of a motion "
+			"for each step",
 			makeDial},
 		{"bunny", "To be felt",
 			"A steel ball presses on a soft body and slides over it; the mouse takes the ball in six degrees of freedom", makeBunny},

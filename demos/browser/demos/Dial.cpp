@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/base/DemoSolid.h"
+#include "demos/browser/base/SlidingBlock.h"
 
 #include "BulletISTCollision/Core/Accuracy/LevelCalibration.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
@@ -20,11 +21,12 @@ constexpr double kSize = 0.2, kBall = 0.035, kStiffness = 1e7, kPi = 3.141592653
 constexpr double kTick = 1e-3;
 constexpr int kTicksBetween = 100;                            // number of ticks between two poses that the quadrature judges
 constexpr int kPoses = 60, kPeriod = kPoses * kTicksBetween;  // number of such poses, and of ticks, on the ball's path
+constexpr int kMotionRate = 240;                              // [Hz]
 constexpr double kFinest = 0.02, kCoarsest = 0.5;
 
 /// The accuracy setting: the user chooses a tolerance, the error of the force that is accepted, and the library chooses the level of each
 /// query. A ball rolls over a body and is queried at 1 kHz. Charts show the error bound, the cost and the true error for each accepted
-/// error. The truth is an integral over the triangles.
+/// error. The truth is an integral over the triangles. Beside it, a chart has the error of a motion for each step.
 class Dial : public BrowsableDemo
 {
 public:
@@ -47,6 +49,7 @@ public:
 	std::vector<std::string> report() const override;
 
 private:
+	std::optional<Error> prepareMotion(const DemoOptions& options);
 	Pose X_AB(int tick) const;
 	static double turned(double time);
 	void tick();
@@ -56,6 +59,8 @@ private:
 	InnerSphereTree m_trees[2];
 	std::vector<scenes::JudgedPose> m_truths;
 	std::vector<scenes::AccuracyPoint> m_sweep;
+	scenes::Chart m_motion;    // error of a sliding block for each step
+	double m_motionError = 0;  // at kMotionRate
 	QueryWorkspace m_workspace;
 	AdaptiveLevel m_pair;
 	const BallTree* m_balls = nullptr;  // balls of the body at the level that answers
@@ -91,6 +96,25 @@ std::optional<Error> Dial::prepare(const DemoOptions& options)
 	std::vector<double> accepted;
 	for (int i = 0; i <= 12; ++i) accepted.push_back(kFinest * std::pow(kCoarsest / kFinest, i / 12.0));
 	m_sweep = scenes::sweepAccuracy(m_trees[0], m_trees[1], m_truths, accepted);
+	return prepareMotion(options);
+}
+
+std::optional<Error> Dial::prepareMotion(const DemoOptions& options)
+{
+	SlidingBlock block;
+	if (auto error = block.prepare(options)) return error;
+	m_motion = {"Error of a motion: a block that slides for half a second", "steps a second", "error [%]", {}, true};
+	for (const scenes::Response response : {scenes::Response::Volumetric, scenes::Response::Stock})
+	{
+		scenes::ChartSeries line{response == scenes::Response::Stock ? "stock Bullet" : "motion", {}, {}, {}, false, -1};
+		for (const int rate : {30, 60, 120, 240, 480, 960})
+		{
+			line.x.push_back(rate);
+			line.y.push_back(100 * block.error(response, rate));
+		}
+		m_motion.series.push_back(std::move(line));
+	}
+	m_motionError = 100 * block.error(scenes::Response::Volumetric, kMotionRate);
 	return std::nullopt;
 }
 
@@ -183,7 +207,9 @@ std::vector<Figure> Dial::figures() const
 		{"the same, over all errors accepted", "%", 100 * held, 100, 5}, {"where it held least often", "%", 100 * least},
 		// A change takes half a percent a query. At the first touch a coarser level may begin with the accepted share of the floor: its
 		// balls reach beyond the surface.
-		{"largest jump of the force in 1 ms by a change of level", "%", 100 * m_largestLeap, 0, 12}};
+		{"largest jump of the force in 1 ms by a change of level", "%", 100 * m_largestLeap, 0, 12},
+		{"error of a block that slides for half a second in steps of 240 Hz", "%", m_motionError,
+			100 * SlidingBlock::expectedError(kMotionRate), 10 * SlidingBlock::expectedError(kMotionRate)}};
 }
 
 std::vector<scenes::Chart> Dial::charts() const
@@ -208,7 +234,7 @@ std::vector<scenes::Chart> Dial::charts() const
 	mark(cost, 0, 1e6 / std::max(m_nowMicroseconds, 0.1));
 	mark(cost, 1, double(m_nowBalls));
 	mark(cost, 2, double(m_nowPairs));
-	return {errors, cost};
+	return {errors, cost, m_motion};
 }
 
 std::vector<std::string> Dial::report() const
