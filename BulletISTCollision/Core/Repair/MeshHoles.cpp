@@ -15,8 +15,6 @@ namespace
 constexpr double kFlatPart = 1e-6;
 
 constexpr uint32_t kNone = UINT32_MAX;
-/// The diagonal of a square over its area for each length of its edge.
-constexpr double kSquareWidth = 4 * 1.4142135623730951;
 
 /// Directed edges (from, to) that the caps must contain, sorted. At each vertex, equally many of them end and begin.
 std::vector<std::pair<uint32_t, uint32_t>> missingUses(const Mesh& mesh)
@@ -83,13 +81,10 @@ void cap(Mesh& mesh, const uint32_t* loop, std::size_t length, const std::vector
 		mesh.vertices.push_back(start + sum / static_cast<double>(length));
 		for (std::size_t i = 0; i < length; ++i) mesh.triangles.push_back({loop[i], loop[(i + 1) % length], center});
 	}
-	double area = 0, perimeter = 0;
+	double area = 0;
 	for (std::size_t i = first; i < mesh.triangles.size(); ++i) area += triangleArea(mesh, mesh.triangles[i]);
-	for (std::size_t i = 0; i < length; ++i) perimeter += norm(mesh.vertices[loop[(i + 1) % length]] - mesh.vertices[loop[i]]);
-	// A slit is no wider for its length. Of a square, the second is the diagonal, too.
-	const double width = std::min(norm(box.size()), kSquareWidth * area / perimeter);
 	const bool isOfBody = std::any_of(loop, loop + length, [&](uint32_t v) { return ofBody[v] != 0; });
-	(isOfBody ? closed.doubt : closed.doubtOfSheets) += area * width / 4;
+	(isOfBody ? closed.doubt : closed.doubtOfSheets) += area * norm(box.size()) / 4;
 }
 }  // namespace
 

@@ -11,9 +11,8 @@ struct ClosedHoles
 {
 	int64_t count = 0;
 	/// Estimate of the volume that the missing surface may have enclosed or left out beyond the caps [m^3]. It is the sum of the caps'
-	/// areas times a quarter of their widths, which is slightly more than a hemisphere over each round hole. The width of a cap is the
-	/// diagonal of the square that has as much area for its perimeter, or the diagonal of its bounds if that is less. Holes of flat parts
-	/// are not included: alone, these have no volume.
+	/// areas times a quarter of their loops' extents, which is slightly more than a hemisphere over each round hole. Holes of
+	/// flat parts are not included: alone, these have no volume.
 	double doubt = 0;
 	/// This estimate for the holes of flat parts [m^3], which may also be the walls of a body that is not welded.
 	double doubtOfSheets = 0;

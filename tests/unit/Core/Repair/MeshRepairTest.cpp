@@ -212,34 +212,6 @@ TEST(MeshRepair, SimpleHolesAreClosed)
 	expectRefused(box, ", 3) m; use the automatic repair", RepairMode::Off);
 }
 
-TEST(MeshRepair, AHoleIsDoubtfulByItsWidth)
-{
-	// A bar of 10 m x 1 m x 1 m. Its upper side lacks a strip, and then a square of the same area.
-	const auto doubtOf = [](double length, double width) {
-		const double x0 = 5 - length / 2, x1 = 5 + length / 2, z0 = 0.5 - width / 2, z1 = 0.5 + width / 2;
-		Mesh bar;
-		bar.vertices = {{0, 0, 0}, {10, 0, 0}, {10, 0, 1}, {0, 0, 1}, {0, 1, 0}, {10, 1, 0}, {10, 1, 1}, {0, 1, 1}, {x0, 1, z0},
-			{x1, 1, z0}, {x1, 1, z1}, {x0, 1, z1}};
-		const uint32_t quads[9][4] = {{0, 1, 2, 3}, {0, 4, 5, 1}, {1, 5, 6, 2}, {2, 6, 7, 3}, {3, 7, 4, 0}, {4, 8, 9, 5}, {5, 9, 10, 6},
-			{6, 10, 11, 7}, {7, 11, 8, 4}};
-		for (const auto& [a, b, c, d] : quads)
-		{
-			bar.triangles.push_back({a, b, c});
-			bar.triangles.push_back({a, c, d});
-		}
-		const Result<RepairedMesh> repaired = repair(bar);
-		EXPECT_TRUE(repaired) << repaired.error().message;
-		EXPECT_NEAR(repaired.value().volumeAfter, 10, 1e-9);
-		return repaired.value().volumeDoubt;
-	};
-	// Half a cylinder may have stood on the strip, and half a ball on the circle in the square.
-	const double pi = std::acos(-1.0), halfCylinder = pi / 8 * 0.01 * 9, halfBall = 2 * pi / 3 * std::pow(0.9 / 2, 3);
-	EXPECT_GT(doubtOf(9, 0.1), halfCylinder);
-	EXPECT_LT(doubtOf(9, 0.1), 2 * halfCylinder);
-	EXPECT_GT(doubtOf(0.9, 0.9), halfBall);
-	EXPECT_LT(doubtOf(0.9, 0.9), 2 * halfBall);
-}
-
 TEST(MeshRepair, CracksWhoseCapsWouldTakeTheBodyApartAreWrapped)
 {
 	const Mesh torus = makeTorusMesh(1, 0.4, 40, 20);
