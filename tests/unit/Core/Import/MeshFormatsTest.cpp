@@ -136,7 +136,7 @@ TEST_P(MeshFormats, ImportIsCancelledFromItsProgress)
 	}));
 	EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
 	EXPECT_EQ(fractions.back(), 1);
-	EXPECT_GT(fractions.size(), 3u);
+	EXPECT_GT(fractions.size(), 2u);  // one at least between the ends
 	for (std::size_t stop = 0; stop < fractions.size(); stop += 1 + stop / 4)
 	{
 		int callsAfter = -1;
