@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <array>
@@ -158,7 +159,7 @@ TEST(ImportApart, WorksInProgramsThatClosedTheirStandardStreams)
 	std::array<int, 3> kept{};
 	for (int stream = 0; stream < 3; ++stream)
 	{
-		kept[size_t(stream)] = ::dup(stream);
+		kept[size_t(stream)] = ::fcntl(stream, F_DUPFD_CLOEXEC, 10);  // a lower one may be that of a stream that was closed
 		::close(stream);
 	}
 	const std::string read = refusalOf("box");
