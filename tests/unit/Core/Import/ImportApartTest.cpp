@@ -3,10 +3,10 @@
 #include "BulletISTCollision/Core/Import/MeshImport.h"
 #include "BulletISTCollision/Core/Mesh/Mesh.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <array>
