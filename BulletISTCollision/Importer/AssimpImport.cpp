@@ -230,8 +230,7 @@ TexturedMesh gather(const aiScene& scene, double unit, Wanted wanted, ImportProg
 	Rounding rounding;
 	std::optional<Vec3> place;
 	bool inOnePlace = true;
-	std::vector<std::pair<const aiNode*, aiMatrix4x4>> open;
-	if (scene.mRootNode) open.emplace_back(scene.mRootNode, aiMatrix4x4());  // damaged RAW files have none
+	std::vector<std::pair<const aiNode*, aiMatrix4x4>> open{{scene.mRootNode, aiMatrix4x4()}};
 	for (size_t done = 1; !open.empty() && importProgress.reach(kReading + (1 - kReading) * double(done) / double(done + open.size()));
 		 ++done)
 	{
