@@ -300,14 +300,14 @@ Result<TexturedMesh> read(const std::string& path, const std::optional<double>& 
 	const LeftOut leftOut = scene ? removeInvalidFaces(*scene) : LeftOut();
 	if (const auto sentence = leftOut.tooDamaged()) return Error{path + ": " + *sentence};
 	if (scene) scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
-	if (importProgress.cancelled()) return Error{"the import was cancelled", true};
+	if (importProgress.cancelled()) return importCancelled();
 	if (!scene || !scene->mRootNode)
 		return Error{"cannot read " + path + ": " + reasonOf(importer) +
 			"; the file may be cut short, of a format that assimp does not know, or of another one than its name ends with: export it "
 			"again"};
 	TexturedMesh textured = gather(*scene, scale.value().factor, wanted, importProgress);
 	textured.mesh.unit = scale.value().unit;
-	if (importProgress.cancelled()) return Error{"the import was cancelled", true};
+	if (importProgress.cancelled()) return importCancelled();
 	double worst = 0;
 	for (const aiMesh* part : partsOf(*scene)) worst = std::max(worst, blur(*part));
 	if (const auto error = whyUnusable(textured.mesh, path, worst)) return *error;

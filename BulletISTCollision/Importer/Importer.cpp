@@ -77,8 +77,7 @@ try
 }
 catch (const std::bad_alloc&)
 {
-	return pipe.sendFailure(
-		path + ": reading it takes more memory than this machine has to spare; it is damaged, or too large: export it again");
+	return pipe.sendFailure(takesTooMuchMemory(path).message);
 }
 }  // namespace
 

@@ -27,8 +27,6 @@ namespace
 /// Longest time until a cancellation takes effect.
 constexpr int kPollMilliseconds = 100;
 
-Error cancelled() { return {"the import was cancelled", true}; }
-
 Error noImporter(const std::string& path, const std::string& reason)
 {
 	return {"cannot read " + path + ": " + meshFileEnding(path) + " files are read by the program bullethaptics-import, " + reason};
@@ -121,7 +119,7 @@ std::optional<Result<TexturedMesh>> answerOf(ImportPipe& pipe, ImportProgress& i
 {
 	for (double fraction = 0;;)
 	{
-		if (!importProgress.reach(fraction)) return cancelled();
+		if (!importProgress.reach(fraction)) return importCancelled();
 		if (!pipe.waits(kPollMilliseconds)) continue;
 		ImportPipe::Part part{};
 		if (!pipe.receivePart(part)) return std::nullopt;
@@ -147,13 +145,12 @@ std::optional<Result<TexturedMesh>> answerOf(ImportPipe& pipe, ImportProgress& i
 Error brokeDown(const std::string& path, const std::string& program, int status)
 {
 	const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-	if (signal == SIGINT || signal == SIGTERM) return cancelled();
+	if (signal == SIGINT || signal == SIGTERM) return importCancelled();
 	if (signal == SIGXCPU)
 		return {path +
 			": reading it takes too long, so it is damaged, or very large: export it again, or set BULLETHAPTICS_IMPORT_SECONDS to the "
 			"seconds that it may take"};
-	if (signal == SIGKILL)
-		return {path + ": reading it takes more memory than this machine has to spare; it is damaged, or too large: export it again"};
+	if (signal == SIGKILL) return takesTooMuchMemory(path);
 	// Exit codes of the program for arguments of another release, and of posix_spawn() where the program cannot be run.
 	if (WIFEXITED(status) && (WEXITSTATUS(status) == 2 || WEXITSTATUS(status) == 127))
 		return noImporter(path, "but " + program + " is not that of release " BULLETHAPTICS_VERSION + kInstall);

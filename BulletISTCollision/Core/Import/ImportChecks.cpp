@@ -15,6 +15,11 @@ bool ImportProgress::reach(double fraction)
 	return !m_cancelled;
 }
 
+Error takesTooMuchMemory(const std::string& path)
+{
+	return {path + ": reading it takes more memory than this machine has to spare; it is damaged, or too large: export it again"};
+}
+
 double blur(const Box& box)
 {
 	double farthest = 0;

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Base/Progress.h"
 #include "BulletISTCollision/Core/Base/Result.h"
+#include "BulletISTCollision/Core/Import/Formats/ImportCancelled.h"
 #include "BulletISTCollision/Core/Mesh/TexturedMesh.h"
 
 #include <optional>
@@ -33,6 +34,9 @@ private:
 	double m_fraction = 0;
 	bool m_cancelled = false;
 };
+
+/// Refuses a file for what reading it takes.
+Error takesTooMuchMemory(const std::string& path);
 
 /// Share of the stage that reading takes. Copying the triangles takes the rest.
 constexpr double kReading = 0.9;

@@ -14,6 +14,8 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -45,32 +47,23 @@ Result<std::string> bytesOf(const std::string& path, ImportProgress& importProgr
 	{
 		if (!file.read(bytes.data() + done, std::min(kBlock, size - done)))
 			return Error{"cannot read " + path + ": reading it failed after " + std::to_string(done) + " bytes; copy it again"};
-		if (!importProgress.reach(0.5 * kReading * double(done) / double(size))) return Error{"the import was cancelled", true};
+		if (!importProgress.reach(0.5 * kReading * double(done) / double(size))) return importCancelled();
 	}
 	return bytes;
 }
 
-Result<TexturedMesh> readStlFile(const std::string& path, double unit, Wanted wanted, ImportProgress& importProgress)
+/// Reads a whole file by a reader of ours, which takes bytes and a progress function.
+template <class Reader> auto readByOurs(const std::string& path, ImportProgress& importProgress, const Reader& reader)
 {
+	using Read = decltype(reader(std::string_view(), std::function<bool(double)>()));
 	const Result<std::string> bytes = bytesOf(path, importProgress);
-	if (!bytes) return bytes.error();
-	Result<Mesh> read = readStl(bytes.value(), [&](double done) { return importProgress.reach(kReading * (0.5 + 0.5 * done)); });
-	if (!read) return read.error().cancelled ? read.error() : Error{"cannot read " + path + ": " + read.error().message};
-	TexturedMesh textured{std::move(read).value(), {}};
-	Mesh& mesh = textured.mesh;
-	const double worst = blur(bounds(mesh));
-	for (Vec3& v : mesh.vertices) v = unit * v;
-	mesh.unit = unit;
-	mesh.rounding = std::max(mesh.rounding, worst);
-	if (const auto error = whyUnusable(mesh, path, worst)) return *error;
-	if (wanted == Wanted::SurfaceAndPlaces)
-		return Error{path +
-			": STL files have no texture coordinates; unwrap the mesh (in Blender: Edit Mode, U, Smart UV Project) and "
-			"export it with them as OBJ"};
-	return textured;
+	if (!bytes) return Read(bytes.error());
+	Read read = reader(bytes.value(), [&](double done) { return importProgress.reach(kReading * (0.5 + 0.5 * done)); });
+	if (read || read.error().cancelled) return read;
+	return Read(Error{"cannot read " + path + ": " + read.error().message});
 }
 
-/// What a reader of texture coordinates has read, in metres and checked. `isDouble`: the file has its numbers in double precision.
+/// What a reader of ours has read, in metres and checked. `isDouble`: the file has its numbers in double precision.
 Result<TexturedMesh> inMetres(TexturedMesh textured, const std::string& path, double unit, bool isDouble, Wanted wanted)
 {
 	Mesh& mesh = textured.mesh;
@@ -85,23 +78,30 @@ Result<TexturedMesh> inMetres(TexturedMesh textured, const std::string& path, do
 	return textured;
 }
 
+Result<TexturedMesh> readStlFile(const std::string& path, double unit, Wanted wanted, ImportProgress& importProgress)
+{
+	Result<Mesh> read = readByOurs(path, importProgress, readStl);
+	if (!read) return read.error();
+	Result<TexturedMesh> textured = inMetres({std::move(read).value(), {}}, path, unit, false, Wanted::Surface);
+	if (textured && wanted == Wanted::SurfaceAndPlaces)
+		return Error{path +
+			": STL files have no texture coordinates; unwrap the mesh (in Blender: Edit Mode, U, Smart UV Project) and "
+			"export it with them as OBJ"};
+	return textured;
+}
+
 Result<TexturedMesh> readPlyFile(const std::string& path, double unit, Wanted wanted, ImportProgress& importProgress)
 {
-	const Result<std::string> bytes = bytesOf(path, importProgress);
-	if (!bytes) return bytes.error();
-	Result<PlySurface> read = readPly(bytes.value(), [&](double done) { return importProgress.reach(kReading * (0.5 + 0.5 * done)); });
-	if (!read) return read.error().cancelled ? read.error() : Error{"cannot read " + path + ": " + read.error().message};
+	Result<PlySurface> read = readByOurs(path, importProgress, readPly);
+	if (!read) return read.error();
 	return inMetres(std::move(read.value().textured), path, unit, read.value().isDouble, wanted);
 }
 
 Result<TexturedMesh> readPackageFile(
 	const std::string& path, const std::optional<double>& given, Wanted wanted, ImportProgress& importProgress)
 {
-	const Result<std::string> bytes = bytesOf(path, importProgress);
-	if (!bytes) return bytes.error();
-	Result<PackageSurface> read = readPackage(
-		bytes.value(), [&](double done) { return importProgress.reach(kReading * (0.5 + 0.5 * done)); });
-	if (!read) return read.error().cancelled ? read.error() : Error{"cannot read " + path + ": " + read.error().message};
+	Result<PackageSurface> read = readByOurs(path, importProgress, readPackage);
+	if (!read) return read.error();
 	const Result<Scale> scale = scaleOf(path, unitOf3mf(read.value().unit), given);
 	if (!scale) return scale.error();
 	Result<TexturedMesh> textured = inMetres(std::move(read.value().textured), path, scale.value().unit, true, wanted);
@@ -117,7 +117,7 @@ Result<TexturedMesh> readMesh(const std::string& path, const std::optional<doubl
 		: ending == ".ply"                       ? readPlyFile(path, given.value_or(1), wanted, importProgress)
 		: ending == ".3mf"                       ? readPackageFile(path, given, wanted, importProgress)
 												 : importApart(path, given, wanted, importProgress);
-	if (read && !importProgress.reach(1)) return Error{"the import was cancelled", true};
+	if (read && !importProgress.reach(1)) return importCancelled();
 	return read;
 }
 
@@ -125,14 +125,14 @@ Result<TexturedMesh> importSurface(const std::string& path, const std::optional<
 {
 	if (unit && (!(*unit > 0) || !std::isfinite(*unit))) return Error{"the unit must be a positive number of metres, not " + number(*unit)};
 	ImportProgress importProgress(progress);
-	if (!importProgress.reach(0)) return Error{"the import was cancelled", true};
+	if (!importProgress.reach(0)) return importCancelled();
 	try
 	{
 		return readMesh(path, unit, wanted, importProgress);
 	}
 	catch (const std::exception& exception)
 	{
-		if (importProgress.cancelled()) return Error{"the import was cancelled", true};
+		if (importProgress.cancelled()) return importCancelled();
 		return Error{"cannot read " + path + ": " + exception.what() + "; export the mesh again"};
 	}
 }

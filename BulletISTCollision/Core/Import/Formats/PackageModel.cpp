@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Import/Formats/PackageModel.h"
 
+#include "BulletISTCollision/Core/Import/Formats/ImportCancelled.h"
 #include "BulletISTCollision/Core/Import/Formats/MeshText.h"
 #include "BulletISTCollision/Core/Import/Formats/XmlTags.h"
 
@@ -68,8 +69,7 @@ Result<PackageModel> PackageReader::read()
 	for (size_t count = 1; m_problem.empty() && m_tags.next(); ++count)
 	{
 		take();
-		if (count % kTagsAtOnce == 0 && m_progress && !m_progress(double(m_tags.position()) / double(m_size)))
-			return Error{"the import was cancelled", true};
+		if (count % kTagsAtOnce == 0 && m_progress && !m_progress(double(m_tags.position()) / double(m_size))) return importCancelled();
 	}
 	if (!m_problem.empty()) return Error{m_problem + "; export it again"};
 	if (!m_tags.isWhole()) return Error{"its model is cut short, or no whole XML; export it again"};

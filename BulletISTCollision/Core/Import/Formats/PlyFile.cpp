@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Import/Formats/PlyFile.h"
 
+#include "BulletISTCollision/Core/Import/Formats/ImportCancelled.h"
 #include "BulletISTCollision/Core/Import/Formats/LeftOut.h"
 #include "BulletISTCollision/Core/Import/Formats/MeshText.h"
 #include "BulletISTCollision/Core/Import/Formats/PlyHeader.h"
@@ -25,7 +26,6 @@ namespace
 {
 /// Elements between two calls of the progress callback, or, where faces are divided, the sum of the squares of their numbers of corners.
 constexpr uint64_t kBetweenCalls = 1 << 16;
-constexpr const char* kCancelled = "the import was cancelled";
 /// The index of a corner that cannot be one.
 constexpr uint32_t kNoVertex = UINT32_MAX;
 
@@ -163,8 +163,7 @@ private:
 		if (kind == Kind::Vertex) beginVertices(element);
 		for (uint64_t i = 0; i < element.count; ++i)
 		{
-			if (m_goesOn && i % kBetweenCalls == 0 && !m_goesOn(double(m_numbers.position()) / double(m_size)))
-				return Error{kCancelled, true};
+			if (m_goesOn && i % kBetweenCalls == 0 && !m_goesOn(double(m_numbers.position()) / double(m_size))) return importCancelled();
 			if (!readRow(element, kind))
 				return Error{m_numbers.problem() + ", in element " + std::to_string(i + 1) + " of the " + std::to_string(element.count) +
 					" " + quotedText(element.name) + " that its header states; export the mesh again"};
@@ -278,7 +277,7 @@ private:
 			work += uint64_t(face.count) * face.count;
 			if (m_goesOn && work >= kBetweenCalls)
 			{
-				if (!m_goesOn(1)) return Error{kCancelled, true};
+				if (!m_goesOn(1)) return importCancelled();
 				work = 0;
 			}
 			const std::span<const uint32_t> corners(m_corners.data() + face.corners, face.count);

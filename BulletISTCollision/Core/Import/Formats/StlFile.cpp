@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Import/Formats/StlFile.h"
 
+#include "BulletISTCollision/Core/Import/Formats/ImportCancelled.h"
 #include "BulletISTCollision/Core/Import/Formats/MeshText.h"
 
 #include <algorithm>
@@ -25,8 +26,6 @@ constexpr size_t kBetweenCalls = 1 << 16;
 constexpr uint32_t kUnknownCount = 0xffffffff;
 
 using GoesOn = std::function<bool(double)>;
-
-Error cancelled() { return {"the import was cancelled", true}; }
 
 std::string counted(uint64_t n, const char* thing) { return std::to_string(n) + " " + thing + (n == 1 ? "" : "s"); }
 
@@ -57,7 +56,7 @@ Result<Mesh> readTriangles(std::string_view bytes, size_t count, const GoesOn& g
 		const size_t corners = kFirstTriangle + i * kTriangle + 12;
 		const auto number = [&](size_t k) { return static_cast<double>(std::bit_cast<float>(wordAt(bytes, corners + 4 * k))); };
 		append(mesh, {number(0), number(1), number(2)}, {number(3), number(4), number(5)}, {number(6), number(7), number(8)});
-		if (goesOn && i % kBetweenCalls == 0 && !goesOn(double(i) / double(count))) return cancelled();
+		if (goesOn && i % kBetweenCalls == 0 && !goesOn(double(i) / double(count))) return importCancelled();
 	}
 	return mesh;
 }
@@ -206,7 +205,7 @@ public:
 			const std::string word = Words::lower(m_words.next());
 			if (word.empty()) break;
 			take(word);
-			if (goesOn && i % kBetweenCalls == 0 && !goesOn(m_words.share())) return cancelled();
+			if (goesOn && i % kBetweenCalls == 0 && !goesOn(m_words.share())) return importCancelled();
 		}
 		const bool isCut = m_inFacet;
 		endFacet();
