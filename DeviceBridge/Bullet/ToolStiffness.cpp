@@ -34,17 +34,18 @@ void ToolStiffness::take(const WorldSnapshot& world) noexcept
 	m_count = world.pairCount;
 }
 
-double ToolStiffness::factorOf(Pair& pair, double mass, double h) noexcept
+void ToolStiffness::follow(Pair& pair, double mass, double h) noexcept
 {
 	if (!(pair.force > 0) || !(pair.stiffness > 0) || !(pair.aimed > 0))
 	{
 		pair.pressed = {};
-		return pair.former = 0, 1;
+		pair.factor = 0;
+		return;
 	}
 	// Along the normal the stiffness is k times the area, and the force is k times the volume. Here k is counted in that of the rule.
 	const btPress press{norm(pair.pressed), pair.stiffness, pair.force / pair.stiffness, pair.aimed};
 	const double stiffest = std::max(1.0, kStiffestPerStep * mass / (h * h * pair.stiffness));
-	return pair.former = std::min(stiffnessUnder(press, 1, pair.former, h), stiffest);
+	pair.factor = std::min(stiffnessUnder(press, 1, pair.factor, h), stiffest);
 }
 
 void ToolStiffness::stiffen(LinearContact* touching, int count, const WorldSnapshot& world, double toolMass, double h) noexcept
@@ -69,11 +70,10 @@ void ToolStiffness::stiffen(LinearContact* touching, int count, const WorldSnaps
 	{
 		Pair& pair = m_pairs[std::size_t(i)];
 		const ist::Vec3& inverse = world.bodies[std::size_t(pair.slot)].inverseMass;
-		const double factor = factorOf(pair, 1 / std::max({1 / toolMass, inverse.x, inverse.y, inverse.z}), h);
-		if (factor == 1) continue;
-		for (int k = 0; k < count; ++k)
-			if (touching[k].pair == i) multiply(touching[k], factor);
+		follow(pair, 1 / std::max({1 / toolMass, inverse.x, inverse.y, inverse.z}), h);
 	}
+	for (int i = 0; i < count; ++i)
+		if (const double factor = m_pairs[std::size_t(touching[i].pair)].factor; factor > 0) multiply(touching[i], factor);
 }
 
 void ToolStiffness::note(const LinearContact* touching, int count, const BulletLocalWorld& local, double h) noexcept
@@ -85,6 +85,6 @@ void ToolStiffness::note(const LinearContact* touching, int count, const BulletL
 		m_pairs[std::size_t(touching[i].pair)].impulse += dot(local.impulse(i).force, normal) * normal;
 	}
 	for (int i = 0; i < m_count; ++i)
-		if (m_pairs[std::size_t(i)].former > 0) notePressed(m_pairs[std::size_t(i)].pressed, m_pairs[std::size_t(i)].impulse, h);
+		if (m_pairs[std::size_t(i)].factor > 0) notePressed(m_pairs[std::size_t(i)].pressed, m_pairs[std::size_t(i)].impulse, h);
 }
 }  // namespace devicebridge

@@ -33,7 +33,7 @@ private:
 	{
 		std::uint64_t epoch = 0;  // of the body in the slot
 		int slot = 0, toolPart = 0, bodyPart = 0;
-		double former = 0;     // factor of the stiffness in the last tick; 0: the parts did not touch
+		double factor = 0;     // of the stiffness, in the last tick; 0: the parts did not touch
 		ist::Vec3 pressed;     // mean of the normal force on the tool lately [N]
 		ist::Vec3 impulse;     // of the normal forces of this tick [N s]
 		double force = 0;      // sum of the elastic forces as they were found [N]
@@ -41,7 +41,8 @@ private:
 		double aimed = 0;      // LinearContact::restDepth
 	};
 	static bool isSame(const Pair& a, const Pair& b) noexcept;
-	static double factorOf(Pair& pair, double mass, double h) noexcept;
+	/// Lets the factor follow what presses.
+	static void follow(Pair& pair, double mass, double h) noexcept;
 
 	std::vector<Pair> m_pairs, m_next;
 	int m_count = 0;
