@@ -54,9 +54,8 @@ struct NoContact final : btCollisionWorld::ContactResultCallback
 		return 0;
 	}
 };
-}  // namespace
 
-const void* btISTTableOfContactTests()
+const void* tableInContactTest()
 {
 	btDefaultCollisionConstructionInfo smallest;
 	smallest.m_defaultMaxPersistentManifoldPoolSize = smallest.m_defaultMaxCollisionAlgorithmPoolSize = 1;
@@ -67,4 +66,11 @@ const void* btISTTableOfContactTests()
 	NoContact callback;
 	world.contactPairTest(&a, &b, callback);
 	return dispatcher.table;
+}
+}  // namespace
+
+const void* btISTTableOfContactTests()
+{
+	static const void* const table = tableInContactTest();
+	return table;
 }
