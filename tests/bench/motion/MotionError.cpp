@@ -23,14 +23,7 @@ struct Difference
 };
 
 /// Rotation vector from b to a, World.
-Vec3 rotationBetween(const Quaternion& a, const Quaternion& b)
-{
-	Vec3 v = a.w * Vec3{-b.x, -b.y, -b.z} + b.w * Vec3{a.x, a.y, a.z} + cross({a.x, a.y, a.z}, {-b.x, -b.y, -b.z});
-	double w = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z;
-	if (w < 0) v = -v, w = -w;
-	const double sine = norm(v);
-	return sine > 0 ? v * (2 * std::atan2(sine, w) / sine) : Vec3{};
-}
+Vec3 rotationBetween(const Quaternion& a, const Quaternion& b) { return rotationVector(a * conjugate(b)); }
 
 Difference poseDifference(const MotionState& a, const MotionState& b, double size)
 {

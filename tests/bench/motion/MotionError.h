@@ -14,7 +14,7 @@ double poseError(const MotionState& a, const MotionState& b, double size);
 
 /// Pose error at each checkpoint, of the body where it is largest. Infinite where a pose is not finite.
 std::vector<double> motionErrors(const MotionRun& run, const MotionRun& reference);
-/// The same against the closed form; empty where the scene has none.
+/// Errors of a run at each checkpoint against the closed form; empty where the scene has none.
 std::vector<double> closedFormErrors(const MotionRun& run, const MotionScene& scene);
 /// Largest of the first `count` values.
 double largest(const std::vector<double>& errors, size_t count);

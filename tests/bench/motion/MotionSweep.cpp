@@ -20,6 +20,12 @@ MotionSettings at(Contact contact, int rate, double forceError = 0, double pertu
 	return {contact, rate, forceError, perturbation, false, 0};
 }
 
+/// Whether nothing but the step is varied: materials given, the finest queries, the scene's own spheres.
+bool variesTheStepAlone(const MotionSettings& s)
+{
+	return s.contact == Contact::Given && !(s.forceError > 0) && !s.isFlightExact && s.spheres == 0;
+}
+
 /// The runs that tell what is true.
 std::vector<MotionSettings> references(const MotionEntry& entry)
 {
@@ -38,7 +44,7 @@ std::vector<MotionSettings> judged(const MotionEntry& entry)
 	std::vector<MotionSettings> all;
 	for (const Contact contact : {Contact::Given, Contact::Default})
 		for (const int rate : ratesOf(entry)) all.push_back(at(contact, rate));
-	// Of meshes, Bullet's own contact takes long.
+	// Bullet's own contact of meshes takes long.
 	for (const int rate : kStockRates)
 		if (!entry.meetsTrees || rate <= 480) all.push_back(at(Contact::Stock, rate));
 	if (entry.fliesFreely)
@@ -167,9 +173,7 @@ std::optional<Error> recordRuns(MotionRecords& records, const MotionEntry& entry
 	}
 	for (const MotionSettings& settings : all)
 	{
-		if (!MotionRecords::isDouble() &&
-			(settings.contact != Contact::Given || settings.forceError > 0 || settings.isFlightExact || settings.spheres > 0))
-			continue;
+		if (!MotionRecords::isDouble() && !variesTheStepAlone(settings)) continue;
 		if (const Result<MotionRun> run = records.run(entry, settings); !run) return run.error();
 	}
 	return std::nullopt;
@@ -213,7 +217,7 @@ Result<MotionFindings> judgeRuns(MotionRecords& records, const MotionEntry& entr
 			if (const auto finest = records.find(entry, at(settings.contact, settings.rate), true))
 				row.queryError = largest(motionErrors(*run, *finest), reference.judgedCount);
 		found.rows.push_back(row);
-		if (settings.contact != Contact::Given || settings.forceError > 0 || settings.isFlightExact || settings.spheres > 0) continue;
+		if (!variesTheStepAlone(settings)) continue;
 		steps.push_back(std::move(*run));
 		rates.push_back(settings.rate);
 	}

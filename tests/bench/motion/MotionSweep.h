@@ -71,6 +71,6 @@ std::vector<int> ratesOf(const MotionEntry& entry);
 std::optional<ist::Error> recordRuns(MotionRecords& records, const MotionEntry& entry);
 /// What the recorded runs say. An error where the runs in double precision are missing.
 ist::Result<MotionFindings> judgeRuns(MotionRecords& records, const MotionEntry& entry);
-/// The same scene with a reference of 3840 Hz, for a look within a minute.
+/// The scene has a reference of 3840 Hz then, for a look within a minute.
 MotionEntry quick(MotionEntry entry);
 }  // namespace bench
