@@ -94,5 +94,5 @@ double carryLoad(btISTContact& contact, const btContactLoad& load, double h);
 /// Updates the running mean of the normal force on A (btISTContact::pressed). `normalImpulse`: sum of the normal impulses on A of all
 /// patches, World axes [N s]. What a body presses against itself, as in a tight fit, is no load. Call it after each step.
 void notePressed(btISTContact& contact, const ist::Vec3& normalImpulse, double h);
-/// The same for a mean that a caller keeps [N].
+/// Updates a running mean that a caller keeps [N], in the same way.
 void notePressed(ist::Vec3& pressed, const ist::Vec3& normalImpulse, double h);

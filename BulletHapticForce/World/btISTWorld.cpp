@@ -78,8 +78,7 @@ btISTWorld::btISTWorld(btDiscreteDynamicsWorld& game)
 	if (!dispatcher)
 	{
 		m_refusal = "the world's dispatcher is no btCollisionDispatcher and has no tables to register with, or is of a class of the game's "
-					"own that "
-					"was compiled without RTTI: contact stays Bullet's";
+					"own that was compiled without RTTI: contact stays Bullet's";
 		m_parts = std::make_unique<Parts>();  // a place to register, so that all other methods have a valid registration
 		m_registration = btISTCollisionAlgorithm::registerAlgorithm(&m_parts->dispatcher);
 		return;

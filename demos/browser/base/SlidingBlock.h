@@ -14,7 +14,7 @@ public:
 	std::optional<ist::Error> prepare(const DemoOptions& options);
 	/// Distance from the closed form at the end over the length of the block, in so many steps a second.
 	double error(scenes::Response response, int rate) const;
-	/// The same by the formula above.
+	/// The distance that the formula above gives, over the length of the block.
 	static double expectedError(int rate);
 
 private:
