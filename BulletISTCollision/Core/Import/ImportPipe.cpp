@@ -72,19 +72,19 @@ bool ImportPipe::sendSurface(const TexturedMesh& textured)
 
 bool ImportPipe::receiveSurface(TexturedMesh& textured)
 {
-	auto& [vertices, triangles, rounding, notTaken, unit] = textured.mesh;
+	Mesh& mesh = textured.mesh;
 	std::size_t sentences = 0;
-	if (!receiveArray(vertices) || !receiveArray(triangles) || !receiveArray(textured.places) || !receive(rounding) || !receive(unit) ||
-		!receive(sentences))
+	if (!receiveArray(mesh.vertices) || !receiveArray(mesh.triangles) || !receiveArray(textured.places) || !receive(mesh.rounding) ||
+		!receive(mesh.unit) || !receive(sentences))
 		return false;
-	notTaken.clear();
-	while (notTaken.size() < sentences)
-		if (!receiveArray(notTaken.emplace_back())) return false;
+	mesh.notTaken.clear();
+	while (mesh.notTaken.size() < sentences)
+		if (!receiveArray(mesh.notTaken.emplace_back())) return false;
 	const auto isThere = [&](const auto& triangle) {
-		return std::all_of(triangle.begin(), triangle.end(), [&](uint32_t corner) { return corner < vertices.size(); });
+		return std::all_of(triangle.begin(), triangle.end(), [&](uint32_t corner) { return corner < mesh.vertices.size(); });
 	};
-	return std::all_of(triangles.begin(), triangles.end(), isThere) &&
-		(textured.places.empty() || textured.places.size() == triangles.size());
+	return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), isThere) &&
+		(textured.places.empty() || textured.places.size() == mesh.triangles.size());
 }
 
 template bool ImportPipe::receiveArray(std::string&);

@@ -429,8 +429,8 @@ TEST(Browser, ADeviceIsChosenFeltAndLetGo)
 	rig.draw();
 	rig.browser->key(Key::Restart);  // the hand feels the tool of the new world
 	EXPECT_NE(rig.browser->message().find(" N"), std::string::npos) << rig.browser->message();
-	rig.browser->open("hello");
-	EXPECT_NE(rig.browser->message().find("no tool that a hand could feel"), std::string::npos) << rig.browser->message();
+	rig.browser->open("packing");
+	EXPECT_NE(rig.browser->message().find("no world of bodies that a hand could feel"), std::string::npos) << rig.browser->message();
 	rig.browser->open("bunny");
 	rig.browser->chooseDevice("", false);
 	EXPECT_EQ(rig.browser->message(), "");
