@@ -230,6 +230,7 @@ TexturedMesh gather(const aiScene& scene, double unit, Wanted wanted, ImportProg
 	Rounding rounding;
 	std::optional<Vec3> place;
 	bool inOnePlace = true;
+	int missing = 0;
 	std::vector<std::pair<const aiNode*, aiMatrix4x4>> open{{scene.mRootNode, aiMatrix4x4()}};
 	for (size_t done = 1; !open.empty() && importProgress.reach(kReading + (1 - kReading) * double(done) / double(done + open.size()));
 		 ++done)
@@ -246,10 +247,15 @@ TexturedMesh gather(const aiScene& scene, double unit, Wanted wanted, ImportProg
 			inOnePlace = inOnePlace && here == place.value_or(here);
 			place = here;
 		}
-		for (unsigned i = node->mNumChildren; i-- > 0;) open.emplace_back(node->mChildren[i], transform);
+		for (unsigned i = node->mNumChildren; i-- > 0;)
+			if (const aiNode* child = node->mChildren[i]) open.emplace_back(child, transform);
+			else ++missing;  // RAW files with a group that has no triangle
 	}
 	if (const double side = bounds(textured.mesh).longestSide(); side > 0)
 		textured.mesh.rounding = std::max(textured.mesh.rounding, share(rounding, inOnePlace, side / unit));
+	if (missing > 0)
+		textured.mesh.notTaken.push_back("Parts of the file in which the reader found no triangle: " + std::to_string(missing) +
+			"; if they are damaged, export the mesh again.");
 	return textured;
 }
 
@@ -313,7 +319,7 @@ Result<TexturedMesh> read(const std::string& path, const std::optional<double>& 
 	if (const auto error = whyUnusable(textured.mesh, path, worst)) return *error;
 	if (wanted == Wanted::SurfaceAndPlaces)
 		if (auto error = checkPlaces(textured, *scene, path)) return *error;
-	textured.mesh.notTaken = leftOut.sentences();
+	for (std::string& sentence : leftOut.sentences()) textured.mesh.notTaken.push_back(std::move(sentence));
 	for (std::string& sentence : sentences(warnings.ofFaces())) textured.mesh.notTaken.push_back(std::move(sentence));
 	if (auto sentence = given ? scale.value().notTaken : unitOfFbx(*scene, importer, given))
 		textured.mesh.notTaken.push_back(*std::move(sentence));
