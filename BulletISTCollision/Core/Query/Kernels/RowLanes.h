@@ -163,8 +163,8 @@ template <class Ball> IST_INLINE auto scaledPlacesOf(const Ball* balls, const ui
 /// Eight bytes from each of two addresses, side by side.
 IST_INLINE __m128 loadHalves(const char* low, const char* high)
 {
-	const __m128d front = _mm_load_sd(reinterpret_cast<const double*>(low));
-	return _mm_castpd_ps(_mm_loadh_pd(front, reinterpret_cast<const double*>(high)));
+	const __m128 front = _mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(low)));
+	return _mm_loadh_pi(front, reinterpret_cast<const __m64*>(high));
 }
 #endif
 
