@@ -95,20 +95,26 @@ bool btContactEnergyTank::begin(btISTContact& contact, double speed, double h)
 	return turned;
 }
 
-double btContactEnergyTank::share(const btISTContactEnergyTank& tank, const btEnergyTankPatch* patches, int count)
+btScaledWork btContactEnergyTank::scaledWork(const btEnergyTankPatch* patches, int count)
 {
-	double linear = 0, square = 0;
+	btScaledWork sum;
 	for (int i = 0; i < count; ++i)
 	{
 		const double own = work(patches[i].impulse, patches[i].own);
-		linear += work(patches[i].impulse, mean(patches[i])) - 0.5 * own;
-		square += 0.5 * own;
+		sum.linear += work(patches[i].impulse, mean(patches[i])) - 0.5 * own;
+		sum.square += 0.5 * own;
 	}
-	if (!(linear + square > tank.stored)) return 1;
-	if (!(square > 0)) return linear > 0 ? std::clamp(tank.stored / linear, 0.0, 1.0) : 1;
-	const double root = std::sqrt(linear * linear + 4 * square * tank.stored);
+	return sum;
+}
+
+double btContactEnergyTank::share(const btScaledWork& work, double stored)
+{
+	const auto [linear, square] = work;
+	if (!(linear + square > stored)) return 1;
+	if (!(square > 0)) return linear > 0 ? std::clamp(stored / linear, 0.0, 1.0) : 1;
+	const double root = std::sqrt(linear * linear + 4 * square * stored);
 	// This is the larger root of square s^2 + linear s = stored, without cancellation.
-	const double share = linear > 0 ? 2 * tank.stored / (root + linear) : (root - linear) / (2 * square);
+	const double share = linear > 0 ? 2 * stored / (root + linear) : (root - linear) / (2 * square);
 	return std::clamp(share, 0.0, 1.0);
 }
 
@@ -129,6 +135,7 @@ double btContactEnergyTank::enter(btISTContactEnergyTank& tank, const btEnergyTa
 		total += work(p.impulse, mean(p));
 		elastic += work(p.elastic + h * (p.patch.damping * p.after), mean(p));
 	}
+	if (!std::isfinite(total)) return 0;
 	const double before = tank.stored;
 	tank.stored = std::max(tank.stored - std::max(elastic, total), 0.0);
 	tank.damped += std::max(before - tank.stored - total, 0.0);

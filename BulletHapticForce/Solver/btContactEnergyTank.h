@@ -11,7 +11,13 @@ struct btEnergyTankPatch
 	ist::Wrench elastic;  ///< part of `impulse` without friction [N s, N m s]
 	ist::Twist before;    ///< twist without any volumetric impulse of this step
 	ist::Twist after;     ///< twist with all volumetric impulses of this step
-	ist::Twist own;       ///< part of `after` that comes from all impulses of this contact
+	ist::Twist own;       ///< part of `after` that comes from all impulses of this contact, or of those that are scaled together
+};
+
+/// Work of impulses that are scaled by s: linear s + square s^2 [J].
+struct btScaledWork
+{
+	double linear = 0, square = 0;
 };
 
 /// Keeps contact passive: a pair returns to the bodies' motion only energy that it has absorbed before. Two things would add energy
@@ -29,8 +35,10 @@ namespace btContactEnergyTank
 /// Returns true when the force has reversed since the last step in which it had one direction: a body that entered on one side leaves on
 /// the other.
 bool begin(btISTContact& contact, double speed, double h);
-/// Largest share, at most 1, of the contact's impulses that returns no more than the stored energy.
-double share(const btISTContactEnergyTank& tank, const btEnergyTankPatch* patches, int count);
+/// Work of the patches' impulses if those that `own` comes from are scaled.
+btScaledWork scaledWork(const btEnergyTankPatch* patches, int count);
+/// Largest share, at most 1, of impulses that returns no more than the stored energy [J].
+double share(const btScaledWork& work, double stored);
 /// Scales the impulses of `patch` by this share, and updates its twists.
 void hold(btEnergyTankPatch& patch, double share);
 /// Enters the work of the impulses into the tank. `after` and `own` must belong to the impulses that were finally applied. Returns the

@@ -341,7 +341,9 @@ double btVolumetricIslands::solve(Row& r, btSolverBody* bodies)
 {
 	Entry& e = m_entries[size_t(r.entry)];
 	const ist::Vec3& point = e.patch.point;
-	const ist::Wrench change = r.row.solve(difference(twistAt(bodies[e.bodyA], point), twistAt(bodies[e.bodyB], point)));
+	const ist::Twist relative = difference(twistAt(bodies[e.bodyA], point), twistAt(bodies[e.bodyB], point));
+	if (!ist::isFinite(relative)) return 0;  // by another row of Bullet: other bodies must not follow
+	const ist::Wrench change = r.row.solve(relative);
 	applyImpulse(bodies[e.bodyA], change, point);
 	applyImpulse(bodies[e.bodyB], -1.0 * change, point);
 	e.impulse = r.row.impulse();
@@ -353,6 +355,8 @@ double btVolumetricIslands::solve(Row& r, btSolverBody* bodies)
 double btVolumetricIslands::solve(Block& block, btSolverBody* bodies)
 {
 	for (size_t b = 0; b < block.bodies.size(); ++b) block.free[b] = twist(bodies[block.bodies[b]]);
+	// Another row of Bullet may have led a body to that. The others must not follow.
+	if (!std::all_of(block.free.begin(), block.free.end(), [](const ist::Twist& t) { return ist::isFinite(t); })) return 0;
 	const auto takeBack = [&](int body, const ist::Wrench& impulse, const ist::Vec3& point) {
 		if (!canMove(bodies[body])) return;
 		ist::Twist& free = block.free[size_t(m_indexInBlock[size_t(body)])];
@@ -417,8 +421,9 @@ std::vector<ist::Twist>& btVolumetricIslands::sumChanges(const btSolverBody* bod
 	return m_change;
 }
 
-/// Collects the patches of the contact whose first entry is `first`. Returns their number.
-int btVolumetricIslands::gatherEnergyTank(size_t first, const btSolverBody* bodies, btEnergyTankPatch* patches) const
+/// Collects the patches of the contact whose first entry is `first`. Returns their number. Their `own` is what this contact has changed,
+/// or, if asked for, all contacts together.
+int btVolumetricIslands::gatherEnergyTank(size_t first, const btSolverBody* bodies, Own whose, btEnergyTankPatch* patches) const
 {
 	const Entry& e = m_entries[first];
 	const auto relativeAt = [&](const ist::Twist& a, const ist::Twist& b, const ist::Vec3& point) {
@@ -434,8 +439,10 @@ int btVolumetricIslands::gatherEnergyTank(size_t first, const btSolverBody* bodi
 			const ist::Twist change = response(rowBody(body), (side == 0 ? 1.0 : -1.0) * m_entries[i].impulse, m_entries[i].patch.point);
 			own[side] = sum(own[side], change);
 		}
+	const ist::Twist all[2] = {m_change[size_t(e.bodyA)], m_change[size_t(e.bodyB)]};
 	const ist::Twist after[2] = {twist(bodies[e.bodyA]), twist(bodies[e.bodyB])};
-	const ist::Twist before[2] = {difference(after[0], m_change[size_t(e.bodyA)]), difference(after[1], m_change[size_t(e.bodyB)])};
+	const ist::Twist before[2] = {difference(after[0], all[0]), difference(after[1], all[1])};
+	if (whose == Own::All) std::copy(std::begin(all), std::end(all), own);
 	for (int i = 0; i < count; ++i)
 	{
 		const Entry& entry = m_entries[first + size_t(i)];
@@ -446,50 +453,87 @@ int btVolumetricIslands::gatherEnergyTank(size_t first, const btSolverBody* bodi
 	return count;
 }
 
-void btVolumetricIslands::holdToEnergyTank(size_t first, int count, btSolverBody* bodies)
+/// Scales the impulse of a patch by `share`.
+void btVolumetricIslands::scale(Entry& e, double share, btSolverBody* bodies)
 {
-	btEnergyTankPatch patches[btISTContact::kMaxPatches];
-	gatherEnergyTank(first, bodies, patches);
-	Entry& e = m_entries[first];
-	const double share = btContactEnergyTank::share(e.contact->tank, patches, count);
-	if (!(share < 1)) return;
-	++m_statistics.contactsHeldToEnergyTank;
-	for (int i = 0; i < count; ++i)
+	const ist::Wrench change = (share - 1) * e.impulse;
+	applyImpulse(bodies[e.bodyA], change, e.patch.point);
+	applyImpulse(bodies[e.bodyB], -1.0 * change, e.patch.point);
+	addChange(e, change, bodies);
+	e.impulse = share * e.impulse;
+	e.elastic = share * e.elastic;
+	e.normalImpulse *= share;
+}
+
+/// Calls `act` with the first entry of each contact of the island, and the number of its entries. They follow one another.
+template <class Act> void btVolumetricIslands::forEachContact(const Island& island, const Act& act) const
+{
+	for (int i = island.first; i >= 0;)
 	{
-		Entry& entry = m_entries[first + size_t(i)];
-		const ist::Wrench change = (share - 1) * entry.impulse;
-		applyImpulse(bodies[e.bodyA], change, entry.patch.point);
-		applyImpulse(bodies[e.bodyB], -1.0 * change, entry.patch.point);
-		addChange(entry, change, bodies);
-		entry.impulse = share * entry.impulse;
-		entry.elastic = share * entry.elastic;
-		entry.normalImpulse *= share;
+		const size_t first = size_t(i);
+		int count = 0;
+		for (; i >= 0 && m_entries[size_t(i)].contact == m_entries[first].contact; i = m_entries[size_t(i)].next) ++count;
+		act(first, count);
 	}
 }
 
-void btVolumetricIslands::enterWork(size_t first, int count, const btSolverBody* bodies)
+/// Limits every contact of the island to its tank while the others stay as they are. That changes the work of the others, so that all
+/// together are then limited to the sum of their tanks.
+void btVolumetricIslands::holdToEnergyTanks(const Island& island, btSolverBody* bodies)
 {
 	btEnergyTankPatch patches[btISTContact::kMaxPatches];
-	gatherEnergyTank(first, bodies, patches);
-	btISTContact& contact = *m_entries[first].contact;
-	btContactEnergyTank::enter(contact.tank, patches, count, m_step);
-	contact.work = btContactEnergyTank::workOf(patches, count);
+	const auto hold = [&](size_t first, int count, double share) {
+		for (size_t i = first; i < first + size_t(count); ++i) scale(m_entries[i], share, bodies);
+	};
+	btScaledWork all;
+	double stored = 0;
+	forEachContact(island, [&](size_t first, int count) {
+		gatherEnergyTank(first, bodies, Own::Contact, patches);
+		const btISTContactEnergyTank& tank = m_entries[first].contact->tank;
+		const double share = btContactEnergyTank::share(btContactEnergyTank::scaledWork(patches, count), tank.stored);
+		stored += tank.stored;
+		if (!(share < 1)) return;
+		++m_statistics.contactsHeldToEnergyTank;
+		hold(first, count, share);
+	});
+	forEachContact(island, [&](size_t first, int count) {
+		gatherEnergyTank(first, bodies, Own::All, patches);
+		const btScaledWork work = btContactEnergyTank::scaledWork(patches, count);
+		all = {all.linear + work.linear, all.square + work.square};
+	});
+	const double share = btContactEnergyTank::share(all, stored);
+	if (share < 1) forEachContact(island, [&](size_t first, int count) { hold(first, count, share); });
+}
+
+/// Enters the work of the island's contacts into their tanks. What one has returned beyond its own, the others pay.
+void btVolumetricIslands::enterWork(const Island& island, const btSolverBody* bodies)
+{
+	btEnergyTankPatch patches[btISTContact::kMaxPatches];
+	double owed = 0, left = 0;
+	forEachContact(island, [&](size_t first, int count) {
+		gatherEnergyTank(first, bodies, Own::Contact, patches);
+		btISTContact& contact = *m_entries[first].contact;
+		const double stored = contact.tank.stored;
+		owed += std::max(btContactEnergyTank::enter(contact.tank, patches, count, m_step) - stored, 0.0);
+		left += contact.tank.stored + contact.tank.damped;
+		contact.work = btContactEnergyTank::workOf(patches, count);
+	});
+	if (!(owed > 0)) return;
+	const double kept = left > owed ? 1 - owed / left : 0;
+	forEachContact(island, [&](size_t first, int) {
+		btISTContactEnergyTank& tank = m_entries[first].contact->tank;
+		tank.stored *= kept;
+		tank.damped *= kept;
+	});
 }
 
 void btVolumetricIslands::finish(btSolverBody* bodies)
 {
-	const auto forEachContact = [&](const auto& act) {
-		for (size_t first = 0; first < m_entries.size();)
-		{
-			size_t end = first + 1;
-			while (end < m_entries.size() && m_entries[end].contact == m_entries[first].contact) ++end;
-			act(first, int(end - first));
-			first = end;
-		}
-	};
-	forEachContact([&](size_t first, int count) { holdToEnergyTank(first, count, bodies); });
-	// This needs its own pass, because each contact that was limited has changed the twists of the others.
-	forEachContact([&](size_t first, int count) { enterWork(first, count, bodies); });
+	for (const Island& island : m_islands)
+	{
+		holdToEnergyTanks(island, bodies);
+		enterWork(island, bodies);
+	}
 	for (const Entry& e : m_entries) std::fill(std::begin(e.contact->tank.friction), std::end(e.contact->tank.friction), ist::Wrench());
 	for (const Entry& e : m_entries)
 	{
@@ -497,9 +541,10 @@ void btVolumetricIslands::finish(btSolverBody* bodies)
 		e.contact->tank.friction[e.patchIndex] = (1 / m_step) * (e.impulse - e.elastic);
 		e.contact->normalImpulse += e.normalImpulse;
 	}
-	forEachContact([&](size_t first, int count) {
-		ist::Vec3 sum;
-		for (size_t i = first; i < first + size_t(count); ++i) sum += m_entries[i].normalImpulse * m_entries[i].patch.normal;
-		notePressed(*m_entries[first].contact, sum, m_step);
-	});
+	for (const Island& island : m_islands)
+		forEachContact(island, [&](size_t first, int count) {
+			ist::Vec3 sum;
+			for (size_t i = first; i < first + size_t(count); ++i) sum += m_entries[i].normalImpulse * m_entries[i].patch.normal;
+			notePressed(*m_entries[first].contact, sum, m_step);
+		});
 }

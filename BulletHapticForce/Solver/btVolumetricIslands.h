@@ -128,9 +128,16 @@ private:
 	double solve(Block& block, btSolverBody* bodies);
 	double solve(Row& row, btSolverBody* bodies);
 	void addChange(const Entry& e, const ist::Wrench& impulse, const btSolverBody* bodies);
-	int gatherEnergyTank(size_t first, const btSolverBody* bodies, btEnergyTankPatch* patches) const;
-	void holdToEnergyTank(size_t first, int count, btSolverBody* bodies);
-	void enterWork(size_t first, int count, const btSolverBody* bodies);
+	enum class Own
+	{
+		Contact,
+		All
+	};
+	int gatherEnergyTank(size_t first, const btSolverBody* bodies, Own whose, btEnergyTankPatch* patches) const;
+	template <class Act> void forEachContact(const Island& island, const Act& act) const;
+	void scale(Entry& e, double share, btSolverBody* bodies);
+	void holdToEnergyTanks(const Island& island, btSolverBody* bodies);
+	void enterWork(const Island& island, const btSolverBody* bodies);
 
 	double m_step = 0;
 	uint64_t m_stepNumber = 0;

@@ -349,7 +349,7 @@ void btVolumetricLinks::holdToEnergyTank(size_t first, int count, btSolverBody* 
 		patches[i] = {e.patch, e.impulse, e.elastic, difference(after, relative(e, bodies, all)), after, own};
 	}
 	btISTContactEnergyTank& tank = entries->contact->tank;
-	const double share = btContactEnergyTank::share(tank, patches, count);
+	const double share = btContactEnergyTank::share(btContactEnergyTank::scaledWork(patches, count), tank.stored);
 	statistics.contactsHeldToEnergyTank += share < 1;
 	for (int i = 0; share < 1 && i < count; ++i)
 	{

@@ -3,6 +3,8 @@
 
 #include "BulletDynamics/Vehicle/btRaycastVehicle.h"
 
+#include <limits>
+
 using namespace scenario;
 using ist::Vec3;
 
@@ -131,6 +133,29 @@ TEST(Joints, SpringOfASixDofJointPressesAsHookeSays)
 	ASSERT_GT(missing, 0.4);
 	EXPECT_NEAR(scene.meanForce(body).y, 120 * missing, 0.01 * 120 * missing);
 	EXPECT_LT(double(body->getAngularVelocity().length()), 1e-4);
+}
+
+// Bullet's row of the joint leads its other body to no number, too. What that one touches by volumes must not follow, nor what is jointed
+// to it.
+TEST(Joints, ABodyWithoutANumberDoesNotSpreadThroughContact)
+{
+	Scene scene;
+	scene.world.setGravity(btVector3(0, 0, 0));
+	btCollisionShape* shape = scene.volumetricShape(cube());
+	std::vector<btRigidBody*> row;
+	for (const double x : {-3., 0., 0.98, 4.}) row.push_back(scene.add(shape, 1, 0.2, at({x, 0, 0})));
+	for (const btRigidBody* body : row) scene.setStiffness(body, 1e4);
+	btPoint2PointConstraint left(*row[0], *row[1], btVector3(1.5, 0, 0), btVector3(-1.5, 0, 0)),
+		right(*row[2], *row[3], btVector3(1.5, 0, 0), btVector3(-1.5, 0, 0));
+	for (btTypedConstraint* joint : {&left, &right}) scene.world.bullet().addConstraint(joint, true);
+	scene.step(1. / 60);
+	ASSERT_GT(norm(impulseOn(scene.world.contacts(), row[2])), 0);
+	row[0]->setLinearVelocity(btVector3(std::numeric_limits<btScalar>::quiet_NaN(), 0, 0));
+	for (int i = 0; i < 3; ++i) scene.step(1. / 60);
+	EXPECT_FALSE(ist::isFinite(vec(row[1]->getLinearVelocity()))) << "Bullet's joint spreads it";
+	for (const btRigidBody* body : {row[2], row[3]})
+		EXPECT_TRUE(ist::isFinite(vec(body->getWorldTransform().getOrigin())) && ist::isFinite(vec(body->getLinearVelocity())));
+	for (btTypedConstraint* joint : {&left, &right}) scene.world.bullet().removeConstraint(joint);
 }
 
 // Impulses among two jointed bodies and a third one do not change the total momentum.

@@ -39,7 +39,7 @@ TEST(btContactEnergyTank, ShareReturnsExactlyWhatIsStored)
 		const btEnergyTankPatch p = pointMass(normal, mass, speed, size);
 		btISTContactEnergyTank tank;
 		tank.stored = i % 3 ? u(random) : 0;
-		const double share = btContactEnergyTank::share(tank, &p, 1), before = kinetic(mass, p, 0);
+		const double share = btContactEnergyTank::share(btContactEnergyTank::scaledWork(&p, 1), tank.stored), before = kinetic(mass, p, 0);
 		ASSERT_GE(share, 0);
 		ASSERT_LE(share, 1);
 		if (share == 1) EXPECT_LE(kinetic(mass, p, 1), before + tank.stored + 1e-12);
