@@ -137,10 +137,12 @@ void btVolumetricIslands::weigh(const btSolverBody* bodies)
 	}
 }
 
-/// Twist of A minus that of B at the patch's point, if the contact does not hold them.
+/// Twist of A minus that of B at the patch's point, if the contact does not hold them, or others hold one of them as supposed.
 ist::Twist btVolumetricIslands::freeTwist(const Entry& e, const btSolverBody* bodies)
 {
-	return difference(twistAt(bodies[e.bodyA], e.patch.point), twistAt(bodies[e.bodyB], e.patch.point));
+	ist::Twist free = difference(twistAt(bodies[e.bodyA], e.patch.point), twistAt(bodies[e.bodyB], e.patch.point));
+	free.linear += e.contact->supposed;
+	return free;
 }
 
 /// Decides the stiffness of contacts that follows from what they carry. The pair's rule sees only the two bodies of a pair, but the

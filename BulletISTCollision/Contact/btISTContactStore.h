@@ -127,6 +127,8 @@ struct btISTContact
 	ist::Pose X_AB;                                  ///< pose of B's shape in A's, to which the sums belong
 	double ahead = 0;                                ///< if positive, the bodies do not touch yet: X_AB is the pose that their free motion
 													 ///< reaches after this time [s], and the sums are those of this first touch
+	ist::Vec3 supposed;                              ///< what the velocity of A relative to B is more than that of the free motion, where
+													 ///< `ahead` supposes that others hold one of the bodies [m/s, World]
 	ist::QueryStatus status = ist::QueryStatus::Ok;  ///< if not Ok, no overlap is claimed and the sums are zero
 	ist::OverlapIntegrals total;
 	ist::OverlapIntegrals patches[kMaxPatches];

@@ -153,6 +153,29 @@ void btISTCollisionAlgorithm::update(const btISTPairQuery& query, btISTContact& 
 	if (kept) store.count(contact, work.asked ? &work.result : nullptr, work.seconds);
 }
 
+/// Looks for what the step brings to bodies that are apart, along their free motion. Else, or where they touch too little to stop each
+/// other, supposes that others hold one of them: a link that is caught, or the lowest body of a stack, stops its neighbours in the same
+/// step.
+void btISTCollisionAlgorithm::predictTouch(const btISTPairQuery& query, double step, btISTContact& contact) const
+{
+	const btISTFreeMotion a = btISTFreeMotion::of(contact.bodyA, step), b = btISTFreeMotion::of(contact.bodyB, step);
+	const bool apart = contact.patchCount == 0;
+	if (apart) contact.touchMissed = !btISTFirstTouch(query, a, b, step).find(contact, m_context->workspace);
+	if (contact.ahead > 0) return;
+	m_context->clusters.beginStep(m_context->store, step);
+	for (const bool isA : {true, false})
+	{
+		const ist::Vec3* velocity = m_context->clusters.velocityOf(isA ? *contact.bodyA : *contact.bodyB);
+		if (!velocity || contact.ahead > 0) continue;
+		btISTFreeMotion heldA = a, heldB = b;
+		(isA ? heldA : heldB).twist.linear = *velocity;
+		const btISTFirstTouch touch(query, heldA, heldB, step);
+		if (!apart) touch.findFurther(contact, m_context->later, m_context->workspace);
+		else if (!touch.find(contact, m_context->workspace)) contact.touchMissed = true;
+		if (contact.ahead > 0) contact.supposed = heldA.twist.linear - heldB.twist.linear - (a.twist.linear - b.twist.linear);
+	}
+}
+
 void btISTCollisionAlgorithm::evaluate(
 	const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, double step, btISTContact& contact) const
 {
@@ -174,6 +197,7 @@ void btISTCollisionAlgorithm::evaluate(
 	std::fill(contact.impulses, contact.impulses + btISTContact::kMaxPatches, ist::Wrench());
 	contact.normalImpulse = 0;
 	contact.touchMissed = false;
+	contact.supposed = {};
 	contact.work = btISTContactWork();
 	if (contact.patchCount == 0)
 	{
@@ -181,13 +205,9 @@ void btISTCollisionAlgorithm::evaluate(
 		contact.pressed = {};
 		contact.grown = 0;
 		contact.growth = {};
-		if (kept && m_context->store.predictsTouch() && contact.status == ist::QueryStatus::Ok)
-		{
-			const btISTFreeMotion a = btISTFreeMotion::of(contact.bodyA, step), b = btISTFreeMotion::of(contact.bodyB, step);
-			contact.touchMissed = !btISTFirstTouch(query, a, b, step).find(contact, m_context->workspace);
-			if (contact.touchMissed) m_context->store.countMissedTouch();
-		}
 	}
+	if (kept && m_context->store.predictsTouch() && contact.status == ist::QueryStatus::Ok) predictTouch(query, step, contact);
+	if (contact.touchMissed) m_context->store.countMissedTouch();
 	contact.constants = m_context->rule->decide(contact, contact.bodyA, contact.bodyB);
 	if (query.lacksDamping(contact))  // the sums used the constants of the last step
 	{

@@ -66,6 +66,7 @@ private:
 
 	void evaluate(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, double step, btISTContact& contact) const;
 	void update(const btISTPairQuery& query, btISTContact& contact) const;
+	void predictTouch(const btISTPairQuery& query, double step, btISTContact& contact) const;
 	bool report(const btCollisionObjectWrapper* wrapA, const btCollisionObjectWrapper* wrapB, btManifoldResult& out) const;
 	void see(const btCollisionShape* shapeA, const btCollisionShape* shapeB);
 	void keepShapes(const btCollisionShape* shapeA, const btCollisionShape* shapeB);

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Contact/btISTContactStore.h"
 #include "BulletISTCollision/Dispatch/btISTContactTest.h"
 #include "BulletISTCollision/Dispatch/btISTQueryThreads.h"
+#include "BulletISTCollision/PairQuery/btISTClusters.h"
 #include "BulletISTCollision/PairQuery/btISTPairQuery.h"
 #include "BulletISTCollision/PairQuery/btISTVerletLists.h"
 #include "BulletISTCollision/Registry/btISTPairFilter.h"
@@ -65,6 +66,8 @@ public:
 	std::weak_ptr<const void> ruleClaim;  ///< claim of the handle that set the rule; when expired, any handle may set one
 	ist::QueryWorkspace workspace;
 	btISTQueryRules rules;
+	btISTClusters clusters;
+	btISTContact later;  ///< for queries along the motion of a contact
 	std::unique_ptr<btISTVerletLists> memories;  ///< null: every query starts a new traversal
 	std::unique_ptr<btISTQueryThreads> threads;  ///< null: only the owner's thread queries
 	std::weak_ptr<btISTInstallation> installation;

@@ -9,14 +9,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace
 {
 // Shares of the thickness of the thinner body.
-constexpr double kWorthLooking = 0.02;  // motion in a step from which on a touch is looked for
-constexpr double kStride = 0.5;         // largest motion between two queries
-constexpr double kShallow = 0.05;       // mean depth that counts as a touch; a body that lies askew then touches with a side
+constexpr double kWorthLooking = 0.02;        // motion in a step from which on a touch is looked for
+constexpr double kWorthLookingFurther = 0.1;  // the same where bodies touch, but too little
+constexpr double kStride = 0.5;               // largest motion between two queries
+constexpr double kShallow = 0.05;             // mean depth that counts as a touch; a body that lies askew then touches with a side
 constexpr int kMostHalvings = 10;
+
+double deepest(const btISTContact& contact)
+{
+	double depth = 0;
+	for (int i = 0; i < contact.patchCount; ++i) depth = std::max(depth, ist::meanDepth(contact.patches[i]));
+	return depth;
+}
 
 ist::Pose poseOfB(const btISTContact& contact) { return contact.X_WA * contact.X_AB; }
 
@@ -50,6 +59,13 @@ ist::Pose btISTFreeMotion::turned(double time, const ist::Pose& X_WS) const
 {
 	const ist::Mat3 turn = ist::rotationMatrix(ist::quaternionFromRotationVector(time * twist.angular));
 	return {turn * X_WS.rotation, center + turn * (X_WS.translation - center)};
+}
+
+double btISTFreeMotion::massOf(const btCollisionObject& object)
+{
+	const btRigidBody* body = btRigidBody::upcast(&object);
+	const double inverse = body && !body->isStaticOrKinematicObject() ? double(body->getInvMass()) : 0;
+	return inverse > 0 ? 1 / inverse : std::numeric_limits<double>::infinity();
 }
 
 /// Upper bound of the motion of any point of one body relative to the other in the step [m].
@@ -88,11 +104,60 @@ void btISTFirstTouch::approachTouch(double apart, double touching, const ist::Po
 		moveTo(touching, X_WA, X_WB, contact);
 		m_query.queryAt(contact, workspace);
 	}
-	contact.ahead = touching;
+	turnLevers(touching, X_WA, X_WB, contact);
+}
+
+/// Sets `ahead` and the pose that gives the lever arms.
+void btISTFirstTouch::turnLevers(double time, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact) const
+{
+	contact.ahead = time;
 	const bool fasterB = squaredNorm(m_b.twist.linear) > squaredNorm(m_a.twist.linear);
 	// With the lever arms of the turned body, some of two tumbling trees were not held by a thin plate. A ball that rolls needs them.
-	const double turning = contact.treeB ? 0 : touching;
+	const double turning = contact.treeB ? 0 : time;
 	contact.X_WA = fasterB ? m_b.turned(turning, X_WB) * inverse(contact.X_AB) : m_a.turned(turning, X_WA);
+}
+
+/// Moves the contact to the first pose at which it is far deeper than now, but still shallow. Returns false where there is none.
+bool btISTFirstTouch::moveFurther(btISTContact& contact, ist::QueryWorkspace& workspace) const
+{
+	const double stride = m_step * kStride * contact.thickness() / travel(contact);
+	const double aimed = std::max(kShallow * contact.thickness(), 2 * deepest(contact));
+	const ist::Pose X_WA = contact.X_WA, X_WB = poseOfB(contact);
+	double before = 0, time = 0;
+	for (int i = 0; i < kMostQueries && !(deepest(contact) > aimed); ++i)
+	{
+		if (time >= m_step || contact.patchCount == 0) return false;
+		before = time;
+		time = std::min(time + stride, m_step);
+		moveTo(time, X_WA, X_WB, contact);
+		m_query.queryAt(contact, workspace);
+	}
+	for (int i = 0; i < kMostHalvings && deepest(contact) > aimed; ++i)
+	{
+		time = 0.5 * (before + time);
+		moveTo(time, X_WA, X_WB, contact);
+		m_query.queryAt(contact, workspace);
+	}
+	turnLevers(time, X_WA, X_WB, contact);
+	return contact.patchCount > 0;
+}
+
+void btISTFirstTouch::findFurther(btISTContact& contact, btISTContact& later, ist::QueryWorkspace& workspace) const
+{
+	const double way = travel(contact), k = contact.grown > 0 ? contact.grown : contact.constants.k;
+	const double lighter = std::min(btISTFreeMotion::massOf(*contact.bodyA), btISTFreeMotion::massOf(*contact.bodyB));
+	const bool isTooSoft = k * norm(contact.total.areaVector) * m_step * m_step < lighter;
+	if (!isTooSoft || !(way > kWorthLookingFurther * contact.thickness()) || !std::isfinite(way)) return;
+	later = contact;
+	if (moveFurther(later, workspace))
+	{
+		btISTPairQuery::copyAnswer(later, contact);
+		contact.X_AB = later.X_AB;
+		contact.X_WA = later.X_WA;
+	}
+	later.treeA.reset();
+	later.treeB.reset();
+	later.memory.reset();
 }
 
 bool btISTFirstTouch::find(btISTContact& contact, ist::QueryWorkspace& workspace) const

@@ -11,6 +11,8 @@ struct btISTFreeMotion
 
 	/// `step` [s]. A body that the solver cannot move, or that is no rigid body, keeps its velocity.
 	static btISTFreeMotion of(const btCollisionObject* object, double step);
+	/// Mass [kg]; infinite for a body that the solver cannot move, or that is no rigid body.
+	static double massOf(const btCollisionObject& object);
 	/// Pose after `time` [s] of what has the pose X_WS now and moves with the body.
 	ist::Pose after(double time, const ist::Pose& X_WS) const;
 	/// The same without the motion of the centre of mass: the lever arms of `after`, about the present centre.
@@ -35,9 +37,15 @@ public:
 	/// thickness, as long as kMostQueries suffice. Returns false where they did not. No allocation.
 	bool find(btISTContact& contact, ist::QueryWorkspace& workspace) const;
 
+	/// For a contact with overlap that is too soft to stop the lighter body. If the motion takes the bodies far deeper into each other, gives
+	/// the contact the sums of a pose on the way and sets `ahead` and X_WA, as `find` does. `later` is memory for the queries.
+	void findFurther(btISTContact& contact, btISTContact& later, ist::QueryWorkspace& workspace) const;
+
 	static constexpr int kMostQueries = 64;
 
 private:
+	bool moveFurther(btISTContact& contact, ist::QueryWorkspace& workspace) const;
+	void turnLevers(double time, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact) const;
 	double travel(const btISTContact& contact) const;
 	void moveTo(double time, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact) const;
 	void approachTouch(double apart, double touching, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact,
