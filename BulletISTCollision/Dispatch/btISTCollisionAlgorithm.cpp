@@ -166,7 +166,8 @@ void btISTCollisionAlgorithm::predictTouch(const btISTPairQuery& query, double s
 	for (const bool isA : {true, false})
 	{
 		const ist::Vec3* velocity = m_context->clusters.velocityOf(isA ? *contact.bodyA : *contact.bodyB);
-		if (!velocity || contact.ahead > 0) continue;
+		const double change = velocity ? step * distance(*velocity, (isA ? a : b).twist.linear) : 0;
+		if (contact.ahead > 0 || !(change > btISTFirstTouch::kWorthLooking * contact.thickness())) continue;
 		btISTFreeMotion heldA = a, heldB = b;
 		(isA ? heldA : heldB).twist.linear = *velocity;
 		const btISTFirstTouch touch(query, heldA, heldB, step);

@@ -14,8 +14,7 @@
 namespace
 {
 // Shares of the thickness of the thinner body.
-constexpr double kWorthLooking = 0.02;        // motion in a step from which on a touch is looked for
-constexpr double kWorthLookingFurther = 0.1;  // the same where bodies touch, but too little
+constexpr double kWorthLookingFurther = 0.1;  // motion in a step from which on a deeper place is looked for
 constexpr double kStride = 0.5;               // largest motion between two queries
 constexpr double kShallow = 0.05;             // mean depth that counts as a touch; a body that lies askew then touches with a side
 constexpr int kMostHalvings = 10;

@@ -42,6 +42,8 @@ public:
 	void findFurther(btISTContact& contact, btISTContact& later, ist::QueryWorkspace& workspace) const;
 
 	static constexpr int kMostQueries = 64;
+	/// Motion in a step from which on a touch is looked for, as a share of the thickness of the thinner body.
+	static constexpr double kWorthLooking = 0.02;
 
 private:
 	bool moveFurther(btISTContact& contact, ist::QueryWorkspace& workspace) const;
