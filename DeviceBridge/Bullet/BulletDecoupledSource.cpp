@@ -126,8 +126,7 @@ void BulletDecoupledSource::advance(double dt, const DeviceState& hand, ToolStep
 	takeSnapshot(now);
 	const double factor = m_worldAge.factor(now);
 	if (factor < 1) m_fadedTicks.fetch_add(1, std::memory_order_relaxed);
-	if (factor == 0)
-		for (int slot = 0; slot < m_slots; ++slot) m_local.body(slot).share = 0;
+	m_local.hold(factor == 0);
 	step.overdue = m_worldAge.known() ? m_worldAge.overdue(now) : 0;
 
 	const auto begin = std::chrono::steady_clock::now();

@@ -3,6 +3,8 @@
 
 #include "DeviceBridge/Bullet/BulletToolContacts.h"
 
+#include <algorithm>
+
 namespace devicebridge
 {
 namespace
@@ -21,6 +23,22 @@ ist::Vec3 turnFrom(const ist::Mat3& before, const ist::Mat3& now) { return rotat
 ist::Mat3 turned(const ist::Mat3& R, const ist::Vec3& turn)
 {
 	return rotationMatrix(ist::quaternionFromRotationVector(turn) * ist::quaternion(R));
+}
+
+ist::Twist plus(const ist::Twist& a, const ist::Twist& b) { return {a.linear + b.linear, a.angular + b.angular}; }
+ist::Twist minus(const ist::Twist& a, const ist::Twist& b) { return {a.linear - b.linear, a.angular - b.angular}; }
+
+ist::Vec3 scaled(const ist::Vec3& a, const ist::Vec3& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+
+/// The part of a correction that a copy still needs. The correction was found at the copy as the world knew it, and since then the copy has
+/// changed by `own`. Supports of the copy may have made a part of the correction within that time, as those of the body did: they stop a
+/// body that falls. Such a part is not made twice. `expected` is the change that the tool's impulses and the body's velocity explain.
+ist::Vec3 remaining(const ist::Vec3& correction, const ist::Vec3& own, const ist::Vec3& expected)
+{
+	const double size = squaredNorm(correction);
+	if (!(size > 0)) return correction;
+	const double made = dot(own, correction) - std::max(0.0, dot(expected, correction));
+	return (1 - std::clamp(made / size, 0.0, 1.0)) * correction;
 }
 }  // namespace
 
@@ -47,19 +65,49 @@ void BulletLocalWorld::reconcile(const WorldSnapshot& world) noexcept
 			continue;
 		}
 		if (now.epoch == 0) continue;
-		SpentImpulse then = now.seen;
-		if (then.epoch != now.epoch)  // The world knows nothing of this copy yet, so the copy counts as still at its start.
-			then = {}, then.X_WB = copy.X_WB, then.twist = copy.twist;
-		copy.twist.linear += now.twist.linear - then.twist.linear;
-		copy.twist.angular += now.twist.angular - then.twist.angular;
-		body.shift = now.X_WB.translation - then.X_WB.translation - (copy.shifted - then.shifted);
-		body.turn = turnFrom(then.X_WB.rotation, now.X_WB.rotation) - (copy.turned - then.turned);
-		body.left = world.period;
-		if (norm(body.shift) <= kTeleport) continue;
+		correct(body, now, world.period);
+		if (norm(body.shift) <= kTeleport && !m_held) continue;
 		copy.X_WB = putRight(int(slot));
 		copy.shifted += body.shift;
 		copy.turned += body.turn;
 		body.shift = body.turn = {};
+		body.share = 0;
+	}
+}
+
+/// Finds the corrections of a copy, and corrects its velocity.
+void BulletLocalWorld::correct(Body& body, const MirroredBody& now, double period) const noexcept
+{
+	SpentImpulse& copy = body.spent;
+	// The body is compared with the present copy if the world does not know the copy yet, or knew it too long ago.
+	const bool comparable = !m_held && now.seen.epoch == now.epoch && copy.seconds - now.seen.seconds <= kComparedPeriods * period;
+	const SpentImpulse& then = comparable ? now.seen : copy;
+	const double since = copy.seconds - then.seconds;
+	const ist::Wrench given = copy.impulse - then.impulse, area = copy.area - then.area - since * then.impulse;
+	const ist::Mat3 inverseInertia = inWorld(now.inverseInertia, copy.X_WB.rotation);
+	const ist::Twist quickened = minus(copy.quickened, then.quickened);
+	const ist::Vec3 shifted = copy.shifted - then.shifted, turning = copy.turned - then.turned;
+	const ist::Twist known = plus(then.twist, quickened), missing = minus(now.twist, known), own = minus(copy.twist, known);
+	const ist::Twist change = {remaining(missing.linear, own.linear, scaled(now.inverseMass, given.force)),
+		remaining(missing.angular, own.angular, inverseInertia * given.torque)};
+	copy.twist = plus(copy.twist, change);
+	copy.quickened = plus(copy.quickened, change);
+	body.shift = remaining(now.X_WB.translation - then.X_WB.translation - shifted, copy.X_WB.translation - then.X_WB.translation - shifted,
+		since * now.twist.linear + scaled(now.inverseMass, area.force));
+	body.turn = remaining(turnFrom(then.X_WB.rotation, now.X_WB.rotation) - turning,
+		turnFrom(then.X_WB.rotation, copy.X_WB.rotation) - turning, since * now.twist.angular + inverseInertia * area.torque);
+	body.left = period;
+}
+
+void BulletLocalWorld::hold(bool held) noexcept
+{
+	m_held = held;
+	if (!held) return;
+	for (Body& body : m_bodies)
+	{
+		SpentImpulse& copy = body.spent;
+		copy.quickened = minus(copy.quickened, copy.twist);
+		copy.twist = {};
 		body.share = 0;
 	}
 }
@@ -84,7 +132,7 @@ void BulletLocalWorld::step(double h, const ist::Wrench& pull, LinearContact* to
 	accelerate(h, pull, world);
 	m_rowCount = 0;
 	for (int i = 0; i < count; ++i) addRow(touching[i], h);
-	for (int i = 0; i < world.contactCount; ++i)
+	for (int i = 0; i < world.contactCount && !m_held; ++i)
 	{
 		const LinearContact& c = world.contacts[std::size_t(i)];
 		const LinearContact moved = movedTo(c, putRight(c.a), putRight(c.b));
@@ -104,6 +152,8 @@ void BulletLocalWorld::accelerate(double h, const ist::Wrench& pull, const World
 		Place& place = m_places[slot];
 		place.twist = copy.twist;
 		if (body.epoch == 0) continue;
+		place.body = {{}, ist::zeroMat3(), copy.X_WB.translation};
+		if (m_held) continue;
 		place.body = {body.inverseMass, inWorld(body.inverseInertia, copy.X_WB.rotation), copy.X_WB.translation};
 		if (body.inverseMass != ist::Vec3{}) place.twist.linear += h * body.gravity;
 	}

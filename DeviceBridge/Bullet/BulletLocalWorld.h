@@ -23,7 +23,8 @@ struct LocalTool
 /// world. The impulses of the tool on a copy are summed, and the world gets exactly that sum.
 ///
 /// When the world has taken a step, its body is compared with the copy as the world knew it, and the difference is corrected. The velocity
-/// is corrected at once and the pose over one period, so that no contact jumps.
+/// is corrected at once and the pose over one period, so that no contact jumps. Each correction is made once, however long the step took:
+/// what was corrected since counts, and so does what the copy's own supports have done since.
 ///
 /// Why this is passive: let J be the impulse sum of a period. The tool's work on a free copy is J.(u0 + J/2m), with u0 its velocity when
 /// the world was published. The world applies J to the body at exactly that velocity: the same energy. The supports of the body can only
@@ -35,10 +36,14 @@ public:
 	/// `slots` is that of the snapshots.
 	explicit BulletLocalWorld(int slots = kMirroredBodies);
 
+	static constexpr double kComparedPeriods = 2;  ///< age of the copy as the world knew it up to which it is compared, in periods
 	static constexpr double kTeleport = 0.05;  ///< pose error above which a copy is corrected at once, and its contact fades in again [m]
 
 	/// Corrects the copies by a new snapshot.
 	void reconcile(const WorldSnapshot& world) noexcept;
+	/// Sets whether the world is so late that no contact has weight. Then the copies stand still, but for the rest of a correction, and the
+	/// next snapshot places them where their bodies are. Call it before each step().
+	void hold(bool held) noexcept;
 	/// Takes one step of `h` [s] with `pull` on the tool about its centre, and with the present contacts `touching`.
 	void step(double h, const ist::Wrench& pull, LinearContact* touching, int count, const WorldSnapshot& world) noexcept;
 
@@ -79,6 +84,7 @@ private:
 		std::size_t a = 0, b = 0;  ///< places
 	};
 
+	void correct(Body& body, const MirroredBody& now, double period) const noexcept;
 	std::size_t placeOf(int slotOrTool) const noexcept;
 	Place& toolPlace() noexcept { return m_places[m_bodies.size()]; }
 	ist::Pose putRight(int slot) const noexcept;
@@ -98,5 +104,6 @@ private:
 	std::vector<ist::Wrench> m_impulses;
 	ist::Vec3 m_given;
 	bool m_toolIsBroken = false;
+	bool m_held = false;
 };
 }  // namespace devicebridge

@@ -35,6 +35,7 @@ struct SpentImpulse
 	ist::Pose X_WB;
 	ist::Twist twist;
 	ist::Vec3 shifted, turned;  ///< sum of the corrections of the copy's position and rotation so far [m, rad]
+	ist::Twist quickened;       ///< sum of the corrections of the copy's twist so far
 };
 
 /// One body near the tool, as the world has it after a step, in World axes. B is the body's centre-of-mass frame. Bullet has the shape in
