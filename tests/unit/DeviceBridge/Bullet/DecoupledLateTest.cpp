@@ -121,7 +121,8 @@ private:
 };
 }  // namespace
 
-// With a world in time, bodies move by 8 mm at most (the ball rolls), at 0.05 m/s, and the force is 1.2 N.
+// With a world in time, bodies move by 8 mm at most (the ball rolls), at 0.05 m/s, and the force is 1.2 N. A copy that is thrown for a
+// moment may press with a few newtons; bodies that are thrown move by a metre, and the hand gets 20 N to 60 N.
 TEST(DecoupledLate, BodiesThatRestBesideAHandAreNotThrownByALateWorld)
 {
 	struct
@@ -143,7 +144,7 @@ TEST(DecoupledLate, BodiesThatRestBesideAHandAreNotThrownByALateWorld)
 			EXPECT_LT(world.speed, 0.25);
 			EXPECT_LT(world.energy, 0.01);
 			EXPECT_LT(world.copyAway, 0.1);
-			EXPECT_LT(world.largestForce(), 2.5);
+			EXPECT_LT(world.largestForce(), 6);
 			EXPECT_LT(world.lost(), 1e-9);
 		}
 }
