@@ -48,7 +48,7 @@ void btISTClusters::beginStep(const btISTContactStore& store, double step)
 	for (Node& node : m_nodes) node.body = nullptr;
 	for (const btISTContact* contact : store.contacts())
 	{
-		if (contact->stamp + 1 != m_step) continue;
+		if (contact->stamp == 0 || contact->stamp + 1 != m_step) continue;  // 0: not evaluated yet, it has no bodies
 		const int a = add(*contact->bodyA, step), b = add(*contact->bodyB, step);
 		if (a >= 0 && b >= 0) join(a, b);
 	}

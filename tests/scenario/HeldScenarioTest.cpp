@@ -167,3 +167,17 @@ TEST(Held, NeighboursThatNothingStopsFlyOn)
 		for (const btRigidBody* ring : rings) EXPECT_LT(norm(vec(ring->getLinearVelocity()) - Vec3{3, floor ? 0.5 : -4, 1}), 1e-5) << floor;
 	}
 }
+
+// The contact of a pair that the filter leaves to Bullet is never asked, and has no bodies.
+TEST(Held, PairsOfBulletsMayBeginInTheFirstStep)
+{
+	Scene scene;
+	scene.world.setGravity(btVector3(0, 0, 0));
+	btCollisionShape* shape = scene.volumetricShape(cube());
+	std::vector<btRigidBody*> row;
+	for (int i = 0; i < 5; ++i) row.push_back(scene.add(shape, 1, 0.2, at({1.02 * i, 0, 0})));
+	scene.world.pairFilter().addPair(row[1], row[2]);
+	scene.world.pairFilter().addPair(row[3], row[4]);
+	scene.run(0.1, 60);
+	for (const btRigidBody* body : row) EXPECT_LT(double(body->getLinearVelocity().length()), 1e-6);
+}
