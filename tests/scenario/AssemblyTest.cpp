@@ -50,7 +50,7 @@ TEST(Assembly, AFileWithoutPegOrTubeIsNamed)
 	for (const char* const name : {"peg", "tube"})
 	{
 		const std::string body = name;
-		const fs::path folder = fs::path(TREE_FOLDER) / ("assembly-without-" + body);
+		const fs::path folder = fs::path(RESULT_FOLDER) / ("assembly-without-" + body);
 		fs::create_directories(folder);
 		std::ostringstream text;
 		text << std::ifstream(SCENE_FOLDER "/assembly-one-hand.json").rdbuf();

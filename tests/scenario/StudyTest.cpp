@@ -28,7 +28,8 @@ constexpr const char* kForcesByButton = R"({"on": "button", "button": 7, "do": "
 class StudyFiles : public testing::Test
 {
 protected:
-	StudyFiles() : m_folder(fs::path(TREE_FOLDER) / ("study-" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name())))
+	StudyFiles()
+		: m_folder(fs::path(RESULT_FOLDER) / ("study-" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name())))
 	{
 		fs::remove_all(m_folder);
 		fs::create_directories(m_folder);
@@ -449,7 +450,7 @@ TEST(StudyExample, OneOfSixAnswersOfAHandThatAlwaysSaysBallIsRight)
 	StudyRunOptions options;
 	options.run.virtualTime = true;
 	options.run.build.cache = TREE_FOLDER;
-	options.folder = TREE_FOLDER "/study-example";
+	options.folder = RESULT_FOLDER "/study-example";
 	fs::remove_all(options.folder);
 	fs::create_directories(options.folder);
 	const auto outcome = runStudy(study.value(), options);
