@@ -67,7 +67,7 @@ public:
 	ist::QueryWorkspace workspace;
 	btISTQueryRules rules;
 	btISTClusters clusters;
-	btISTContact later;  ///< for queries along the motion of a contact
+	btISTContact later;                          ///< for queries along the motion of a contact
 	std::unique_ptr<btISTVerletLists> memories;  ///< null: every query starts a new traversal
 	std::unique_ptr<btISTQueryThreads> threads;  ///< null: only the owner's thread queries
 	std::weak_ptr<btISTInstallation> installation;

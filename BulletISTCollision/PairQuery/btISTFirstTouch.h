@@ -37,8 +37,8 @@ public:
 	/// thickness, as long as kMostQueries suffice. Returns false where they did not. No allocation.
 	bool find(btISTContact& contact, ist::QueryWorkspace& workspace) const;
 
-	/// For a contact with overlap that is too soft to stop the lighter body. If the motion takes the bodies far deeper into each other, gives
-	/// the contact the sums of a pose on the way and sets `ahead` and X_WA, as `find` does. `later` is memory for the queries.
+	/// For a contact with overlap that is too soft to stop the lighter body. If the motion takes the bodies far deeper into each other,
+	/// gives the contact the sums of a pose on the way and sets `ahead` and X_WA, as `find` does. `later` is memory for the queries.
 	void findFurther(btISTContact& contact, btISTContact& later, ist::QueryWorkspace& workspace) const;
 
 	static constexpr int kMostQueries = 64;
