@@ -43,8 +43,6 @@ struct MotionMatrix
 	}
 };
 
-ist::Vec3 scaled(const ist::Vec3& a, const ist::Vec3& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
-
 /// Largest eigenvalue of M^-1 K by power iteration. K is a sum of squares, so the iteration converges from below.
 double largestEigenvalue(const MotionMatrix& K, const Mover& A, const Mover& B)
 {
@@ -57,8 +55,8 @@ double largestEigenvalue(const MotionMatrix& K, const Mover& A, const Mover& B)
 		double f[12] = {}, energy = 0, square = 0;
 		for (int i = 0; i < 12; ++i)
 			for (int j = 0; j < 12; ++j) f[i] += K.m[i][j] * x[j];
-		const ist::Vec3 v[4] = {scaled(A.inverseMass, {f[0], f[1], f[2]}), A.inverseInertia * ist::Vec3{f[3], f[4], f[5]},
-			scaled(B.inverseMass, {f[6], f[7], f[8]}), B.inverseInertia * ist::Vec3{f[9], f[10], f[11]}};
+		const ist::Vec3 v[4] = {componentProduct(A.inverseMass, {f[0], f[1], f[2]}), A.inverseInertia * ist::Vec3{f[3], f[4], f[5]},
+			componentProduct(B.inverseMass, {f[6], f[7], f[8]}), B.inverseInertia * ist::Vec3{f[9], f[10], f[11]}};
 		for (int i = 0; i < 12; ++i)
 		{
 			energy += f[i] * x[i];

@@ -55,15 +55,10 @@ inline ist::Twist movedTo(const ist::Twist& t, const btSolverBody& body, const i
 
 inline ist::Twist twistAt(const btSolverBody& body, const ist::Vec3& point) { return movedTo(twist(body), body, point); }
 
-inline ist::Twist difference(const ist::Twist& a, const ist::Twist& b) { return {a.linear - b.linear, a.angular - b.angular}; }
-inline ist::Twist sum(const ist::Twist& a, const ist::Twist& b) { return {a.linear + b.linear, a.angular + b.angular}; }
-
 /// Change of a body's twist (at its centre of mass) by an impulse at a point.
 inline ist::Twist response(const btVolumetricRowBody& r, const ist::Wrench& impulse, const ist::Vec3& point)
 {
-	const ist::Vec3& w = r.inverseMass;
-	const ist::Vec3& f = impulse.force;
-	return {{w.x * f.x, w.y * f.y, w.z * f.z}, r.inverseInertia * (impulse.torque + cross(point - r.center, f))};
+	return {componentProduct(r.inverseMass, impulse.force), r.inverseInertia * (impulse.torque + cross(point - r.center, impulse.force))};
 }
 
 inline void applyImpulse(btSolverBody& body, const ist::Wrench& impulse, const ist::Vec3& point)

@@ -140,7 +140,7 @@ void btVolumetricIslands::weigh(const btSolverBody* bodies)
 /// Twist of A minus that of B at the patch's point, if the contact does not hold them, or others hold one of them as supposed.
 ist::Twist btVolumetricIslands::freeTwist(const Entry& e, const btSolverBody* bodies)
 {
-	ist::Twist free = difference(twistAt(bodies[e.bodyA], e.patch.point), twistAt(bodies[e.bodyB], e.patch.point));
+	ist::Twist free = twistAt(bodies[e.bodyA], e.patch.point) - twistAt(bodies[e.bodyB], e.patch.point);
 	free.linear += e.contact->supposed;
 	return free;
 }
@@ -234,7 +234,7 @@ void btVolumetricIslands::displaceByRounding(const btSolverBody* bodies)
 	for (Entry& e : m_entries)
 	{
 		const ist::Twist a = lacking(e.bodyA, e.patch.point), b = lacking(e.bodyB, e.patch.point);
-		e.patch.wrench = e.patch.wrench - e.patch.stiffness * difference(a, b);
+		e.patch.wrench = e.patch.wrench - e.patch.stiffness * (a - b);
 	}
 }
 
@@ -314,7 +314,7 @@ void btVolumetricIslands::fill(Block& block, const Island& island, const btSolve
 		const int a = indexOf(e.bodyA), b = indexOf(e.bodyB);
 		const ist::Twist givenA = a < 0 ? twistAt(bodies[e.bodyA], e.patch.point) : ist::Twist();
 		const ist::Twist givenB = b < 0 ? twistAt(bodies[e.bodyB], e.patch.point) : ist::Twist();
-		const int patch = block.solver.addPatch(e.patch, a, b, difference(givenA, givenB), m_step, e.friction);
+		const int patch = block.solver.addPatch(e.patch, a, b, givenA - givenB, m_step, e.friction);
 		block.solver.startFriction(patch, m_step * e.contact->tank.friction[e.patchIndex]);
 		block.entries.push_back(i);
 	}
@@ -343,7 +343,7 @@ double btVolumetricIslands::solve(Row& r, btSolverBody* bodies)
 {
 	Entry& e = m_entries[size_t(r.entry)];
 	const ist::Vec3& point = e.patch.point;
-	const ist::Twist relative = difference(twistAt(bodies[e.bodyA], point), twistAt(bodies[e.bodyB], point));
+	const ist::Twist relative = twistAt(bodies[e.bodyA], point) - twistAt(bodies[e.bodyB], point);
 	if (!ist::isFinite(relative)) return 0;  // by another row of Bullet: other bodies must not follow
 	const ist::Wrench change = r.row.solve(relative);
 	applyImpulse(bodies[e.bodyA], change, point);
@@ -362,7 +362,7 @@ double btVolumetricIslands::solve(Block& block, btSolverBody* bodies)
 	const auto takeBack = [&](int body, const ist::Wrench& impulse, const ist::Vec3& point) {
 		if (!canMove(bodies[body])) return;
 		ist::Twist& free = block.free[size_t(m_indexInBlock[size_t(body)])];
-		free = difference(free, response(rowBody(bodies[body]), impulse, point));
+		free = free - response(rowBody(bodies[body]), impulse, point);
 	};
 	for (const int i : block.entries)
 	{
@@ -412,7 +412,7 @@ void btVolumetricIslands::addChange(const Entry& e, const ist::Wrench& impulse, 
 		const int body = side == 0 ? e.bodyA : e.bodyB;
 		if (!canMove(bodies[body])) continue;
 		const ist::Twist change = response(rowBody(bodies[body]), (side == 0 ? 1.0 : -1.0) * impulse, e.patch.point);
-		m_change[size_t(body)] = sum(m_change[size_t(body)], change);
+		m_change[size_t(body)] = m_change[size_t(body)] + change;
 	}
 }
 
@@ -429,7 +429,7 @@ int btVolumetricIslands::gatherEnergyTank(size_t first, const btSolverBody* bodi
 {
 	const Entry& e = m_entries[first];
 	const auto relativeAt = [&](const ist::Twist& a, const ist::Twist& b, const ist::Vec3& point) {
-		return difference(movedTo(a, bodies[e.bodyA], point), movedTo(b, bodies[e.bodyB], point));
+		return movedTo(a, bodies[e.bodyA], point) - movedTo(b, bodies[e.bodyB], point);
 	};
 	ist::Twist own[2];
 	int count = 0;
@@ -439,11 +439,11 @@ int btVolumetricIslands::gatherEnergyTank(size_t first, const btSolverBody* bodi
 			const btSolverBody& body = bodies[side == 0 ? e.bodyA : e.bodyB];
 			if (!canMove(body)) continue;
 			const ist::Twist change = response(rowBody(body), (side == 0 ? 1.0 : -1.0) * m_entries[i].impulse, m_entries[i].patch.point);
-			own[side] = sum(own[side], change);
+			own[side] = own[side] + change;
 		}
 	const ist::Twist all[2] = {m_change[size_t(e.bodyA)], m_change[size_t(e.bodyB)]};
 	const ist::Twist after[2] = {twist(bodies[e.bodyA]), twist(bodies[e.bodyB])};
-	const ist::Twist before[2] = {difference(after[0], all[0]), difference(after[1], all[1])};
+	const ist::Twist before[2] = {after[0] - all[0], after[1] - all[1]};
 	if (whose == Own::All) std::copy(std::begin(all), std::end(all), own);
 	for (int i = 0; i < count; ++i)
 	{

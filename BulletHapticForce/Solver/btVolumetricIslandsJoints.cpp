@@ -105,7 +105,7 @@ void btVolumetricIslands::takeBackJoints(Block& block, const btSolverBody* bodie
 			const ist::Vec3 center = toVec3(bodies[body].getWorldTransform().getOrigin());
 			const ist::Wrench impulse = double(btScalar(c->m_appliedImpulse)) * pushOf(*c, side);
 			ist::Twist& free = block.free[size_t(m_indexInBlock[size_t(body)])];
-			free = difference(free, response(rowBody(bodies[body]), impulse, center));
+			free = free - response(rowBody(bodies[body]), impulse, center);
 		});
 }
 
@@ -127,7 +127,7 @@ void btVolumetricIslands::addJointRows(Block& block, const Joint& joint, const b
 			const int body = side == 0 ? joint.bodyA : joint.bodyB;
 			if (!canMove(bodies[body])) continue;
 			const ist::Wrench push = pushOf(c, side);
-			const ist::Twist before = difference(twist(bodies[body]), changeOf(bodies[body]));
+			const ist::Twist before = twist(bodies[body]) - changeOf(bodies[body]);
 			row.body[side] = m_indexInBlock[size_t(body)];
 			const double J[6] = {push.force.x, push.force.y, push.force.z, push.torque.x, push.torque.y, push.torque.z};
 			std::copy(std::begin(J), std::end(J), row.jacobian[side]);

@@ -88,7 +88,7 @@ void btVolumetricLinks::addResponse(const Entry& e, const ist::Wrench& impulse, 
 		const double sign = k == 0 ? 1 : -1;
 		if (!s.multiBody)
 		{
-			motion.body[k] = sum(motion.body[k], response(rowBody(bodies[s.body]), sign * impulse, e.patch.point));
+			motion.body[k] = motion.body[k] + response(rowBody(bodies[s.body]), sign * impulse, e.patch.point);
 			continue;
 		}
 		for (int d = 0; d < s.dofs; ++d) motion.links[size_t(s.velocity + d)] += sign * responseOf(s, d, values);
@@ -112,7 +112,7 @@ ist::Twist btVolumetricLinks::relative(const Entry& e, const btSolverBody* bodie
 			t = {{u[0], u[1], u[2]}, {u[3], u[4], u[5]}};
 		}
 		else t = movedTo(motion.body[k], bodies[s.body], e.patch.point);
-		result = k == 0 ? t : difference(result, t);
+		result = k == 0 ? t : result - t;
 	}
 	return result;
 }
@@ -325,7 +325,7 @@ void btVolumetricLinks::sumChanges(const btSolverBody* bodies, const btMultiBody
 		m_own.body[0] = m_own.body[1] = {};
 		addResponse(e, e.impulse, bodies, m_own);
 		for (int k = 0; k < 2; ++k)
-			if (!e.side[k].multiBody) change[size_t(e.side[k].body)] = sum(change[size_t(e.side[k].body)], m_own.body[k]);
+			if (!e.side[k].multiBody) change[size_t(e.side[k].body)] = change[size_t(e.side[k].body)] + m_own.body[k];
 	}
 	std::swap(m_changed, m_own.links);
 	m_own.links.resize(m_changed.size());
@@ -346,7 +346,7 @@ void btVolumetricLinks::holdToEnergyTank(size_t first, int count, btSolverBody* 
 		const ist::Twist after = relative(e, bodies, state(e, bodies, data)), own = relative(e, bodies, m_own);
 		all.links = m_changed;
 		for (int k = 0; k < 2; ++k) all.body[k] = e.side[k].multiBody ? ist::Twist() : change[size_t(e.side[k].body)];
-		patches[i] = {e.patch, e.impulse, e.elastic, difference(after, relative(e, bodies, all)), after, own};
+		patches[i] = {e.patch, e.impulse, e.elastic, after - relative(e, bodies, all), after, own};
 	}
 	btISTContactEnergyTank& tank = entries->contact->tank;
 	const double share = btContactEnergyTank::share(btContactEnergyTank::scaledWork(patches, count), tank.stored);
@@ -361,7 +361,7 @@ void btVolumetricLinks::holdToEnergyTank(size_t first, int count, btSolverBody* 
 		addResponse(e, less, bodies, m_own);
 		std::swap(m_changed, m_own.links);
 		for (int k = 0; k < 2; ++k)
-			if (!e.side[k].multiBody) change[size_t(e.side[k].body)] = sum(change[size_t(e.side[k].body)], m_own.body[k]);
+			if (!e.side[k].multiBody) change[size_t(e.side[k].body)] = change[size_t(e.side[k].body)] + m_own.body[k];
 		btContactEnergyTank::hold(patches[i], share);
 		e.impulse = patches[i].impulse;
 		e.elastic = patches[i].elastic;

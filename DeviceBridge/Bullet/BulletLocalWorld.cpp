@@ -25,11 +25,6 @@ ist::Mat3 turned(const ist::Mat3& R, const ist::Vec3& turn)
 	return rotationMatrix(ist::quaternionFromRotationVector(turn) * ist::quaternion(R));
 }
 
-ist::Twist plus(const ist::Twist& a, const ist::Twist& b) { return {a.linear + b.linear, a.angular + b.angular}; }
-ist::Twist minus(const ist::Twist& a, const ist::Twist& b) { return {a.linear - b.linear, a.angular - b.angular}; }
-
-ist::Vec3 scaled(const ist::Vec3& a, const ist::Vec3& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
-
 /// The part of a correction that a copy still needs. The correction was found at the copy as the world knew it, and since then the copy has
 /// changed by `own`. Supports of the copy may have made a part of the correction within that time, as those of the body did: they stop a
 /// body that falls. Such a part is not made twice. `expected` is the change that the tool's impulses and the body's velocity explain.
@@ -85,15 +80,15 @@ void BulletLocalWorld::correct(Body& body, const MirroredBody& now, double perio
 	const double since = copy.seconds - then.seconds;
 	const ist::Wrench given = copy.impulse - then.impulse, area = copy.area - then.area - since * then.impulse;
 	const ist::Mat3 inverseInertia = inWorld(now.inverseInertia, copy.X_WB.rotation);
-	const ist::Twist quickened = minus(copy.quickened, then.quickened);
+	const ist::Twist quickened = copy.quickened - then.quickened;
 	const ist::Vec3 shifted = copy.shifted - then.shifted, turning = copy.turned - then.turned;
-	const ist::Twist known = plus(then.twist, quickened), missing = minus(now.twist, known), own = minus(copy.twist, known);
-	const ist::Twist change = {remaining(missing.linear, own.linear, scaled(now.inverseMass, given.force)),
+	const ist::Twist known = then.twist + quickened, missing = now.twist - known, own = copy.twist - known;
+	const ist::Twist change = {remaining(missing.linear, own.linear, componentProduct(now.inverseMass, given.force)),
 		remaining(missing.angular, own.angular, inverseInertia * given.torque)};
-	copy.twist = plus(copy.twist, change);
-	copy.quickened = plus(copy.quickened, change);
+	copy.twist = copy.twist + change;
+	copy.quickened = copy.quickened + change;
 	body.shift = remaining(now.X_WB.translation - then.X_WB.translation - shifted, copy.X_WB.translation - then.X_WB.translation - shifted,
-		since * now.twist.linear + scaled(now.inverseMass, area.force));
+		since * now.twist.linear + componentProduct(now.inverseMass, area.force));
 	body.turn = remaining(turnFrom(then.X_WB.rotation, now.X_WB.rotation) - turning,
 		turnFrom(then.X_WB.rotation, copy.X_WB.rotation) - turning, since * now.twist.angular + inverseInertia * area.torque);
 	body.left = period;
@@ -106,7 +101,7 @@ void BulletLocalWorld::hold(bool held) noexcept
 	for (Body& body : m_bodies)
 	{
 		SpentImpulse& copy = body.spent;
-		copy.quickened = minus(copy.quickened, copy.twist);
+		copy.quickened = copy.quickened - copy.twist;
 		copy.twist = {};
 		body.share = 0;
 	}

@@ -135,5 +135,7 @@ struct Twist
 {
 	Vec3 linear, angular;
 };
+inline Twist operator+(const Twist& a, const Twist& b) { return {a.linear + b.linear, a.angular + b.angular}; }
+inline Twist operator-(const Twist& a, const Twist& b) { return {a.linear - b.linear, a.angular - b.angular}; }
 inline bool isFinite(const Twist& t) { return isFinite(t.linear) && isFinite(t.angular); }
 }  // namespace ist
