@@ -137,7 +137,9 @@ void btVolumetricIslands::weigh(const btSolverBody* bodies)
 	}
 }
 
-/// Twist of A minus that of B at the patch's point, if the contact does not hold them, or others hold one of them as supposed.
+/// Twist of A minus that of B at the patch's point, without the impulse of the contact. A body that others will hold within this step has
+/// the velocity at which they are supposed to.
+/// hold one of them.
 ist::Twist btVolumetricIslands::freeTwist(const Entry& e, const btSolverBody* bodies)
 {
 	ist::Twist free = twistAt(bodies[e.bodyA], e.patch.point) - twistAt(bodies[e.bodyB], e.patch.point);
@@ -151,25 +153,21 @@ void btVolumetricIslands::carryLoads(const btSolverBody* bodies)
 {
 	weigh(bodies);
 	for (const Island& island : m_islands)
-		for (int i = island.first; i >= 0;)
-		{
-			const Entry& first = m_entries[size_t(i)];
-			btISTContact& contact = *first.contact;
+		forEachContact(island, [&](size_t first, int count) {
+			const Entry& e = m_entries[first];
+			btISTContact& contact = *e.contact;
 			btContactLoad load;
 			load.weight = island.weight + island.weightlessMass * contact.constants.gravity;
 			load.mass = std::numeric_limits<double>::infinity();
-			for (const int body : {first.bodyA, first.bodyB})
+			for (const int body : {e.bodyA, e.bodyB})
 				if (const double mass = massOf(bodies[body]); mass > 0) load.mass = std::min(load.mass, mass);
-			int end = i;
-			for (; end >= 0 && m_entries[size_t(end)].contact == &contact; end = m_entries[size_t(end)].next)
-			{
-				const Entry& e = m_entries[size_t(end)];
-				load.addApproach(contact, e.patchIndex, -dot(freeTwist(e, bodies).linear, e.patch.normal));
-			}
+			const auto last = m_entries.begin() + std::ptrdiff_t(first) + count;
+			for (auto i = last - count; i != last; ++i)
+				load.addApproach(contact, i->patchIndex, -dot(freeTwist(*i, bodies).linear, i->patch.normal));
 			const double factor = carryLoad(contact, load, m_step);
-			for (; i != end; i = m_entries[size_t(i)].next)
-				if (factor != 1) multiply(m_entries[size_t(i)].patch, factor);
-		}
+			if (factor == 1) return;
+			for (auto i = last - count; i != last; ++i) multiply(i->patch, factor);
+		});
 }
 
 /// On a plane, contact moves on with a body that rolls.
@@ -423,28 +421,27 @@ std::vector<ist::Twist>& btVolumetricIslands::sumChanges(const btSolverBody* bod
 	return m_change;
 }
 
-/// Collects the patches of the contact whose first entry is `first`. Returns their number. Their `own` is what this contact has changed,
-/// or, if asked for, all contacts together.
-int btVolumetricIslands::gatherEnergyTank(size_t first, const btSolverBody* bodies, Own whose, btEnergyTankPatch* patches) const
+/// Collects the patches of a contact, which are `count` entries from `first` on. Their `own` is what this contact has changed, or, if
+/// asked for, all contacts together.
+void btVolumetricIslands::gatherEnergyTank(size_t first, int count, const btSolverBody* bodies, Own whose, btEnergyTankPatch* patches) const
 {
 	const Entry& e = m_entries[first];
 	const auto relativeAt = [&](const ist::Twist& a, const ist::Twist& b, const ist::Vec3& point) {
 		return movedTo(a, bodies[e.bodyA], point) - movedTo(b, bodies[e.bodyB], point);
 	};
-	ist::Twist own[2];
-	int count = 0;
-	for (size_t i = first; i < m_entries.size() && m_entries[i].contact == e.contact; ++i, ++count)
-		for (int side = 0; side < 2; ++side)
-		{
-			const btSolverBody& body = bodies[side == 0 ? e.bodyA : e.bodyB];
-			if (!canMove(body)) continue;
-			const ist::Twist change = response(rowBody(body), (side == 0 ? 1.0 : -1.0) * m_entries[i].impulse, m_entries[i].patch.point);
-			own[side] = own[side] + change;
-		}
 	const ist::Twist all[2] = {m_change[size_t(e.bodyA)], m_change[size_t(e.bodyB)]};
 	const ist::Twist after[2] = {twist(bodies[e.bodyA]), twist(bodies[e.bodyB])};
 	const ist::Twist before[2] = {after[0] - all[0], after[1] - all[1]};
-	if (whose == Own::All) std::copy(std::begin(all), std::end(all), own);
+	ist::Twist own[2] = {all[0], all[1]};
+	if (whose == Own::Contact)
+		for (int side = 0; side < 2; ++side)
+		{
+			own[side] = {};
+			const btSolverBody& body = bodies[side == 0 ? e.bodyA : e.bodyB];
+			if (!canMove(body)) continue;
+			for (size_t i = first; i < first + size_t(count); ++i)
+				own[side] = own[side] + response(rowBody(body), (side == 0 ? 1.0 : -1.0) * m_entries[i].impulse, m_entries[i].patch.point);
+		}
 	for (int i = 0; i < count; ++i)
 	{
 		const Entry& entry = m_entries[first + size_t(i)];
@@ -452,7 +449,6 @@ int btVolumetricIslands::gatherEnergyTank(size_t first, const btSolverBody* bodi
 		patches[i] = {entry.patch, entry.impulse, entry.elastic, relativeAt(before[0], before[1], point),
 			relativeAt(after[0], after[1], point), relativeAt(own[0], own[1], point)};
 	}
-	return count;
 }
 
 /// Scales the impulse of a patch by `share`.
@@ -487,19 +483,22 @@ void btVolumetricIslands::holdToEnergyTanks(const Island& island, btSolverBody* 
 	const auto hold = [&](size_t first, int count, double share) {
 		for (size_t i = first; i < first + size_t(count); ++i) scale(m_entries[i], share, bodies);
 	};
-	btScaledWork all;
 	double stored = 0;
+	bool held = false;
 	forEachContact(island, [&](size_t first, int count) {
-		gatherEnergyTank(first, bodies, Own::Contact, patches);
+		gatherEnergyTank(first, count, bodies, Own::Contact, patches);
 		const btISTContactEnergyTank& tank = m_entries[first].contact->tank;
 		const double share = btContactEnergyTank::share(btContactEnergyTank::scaledWork(patches, count), tank.stored);
 		stored += tank.stored;
 		if (!(share < 1)) return;
 		++m_statistics.contactsHeldToEnergyTank;
 		hold(first, count, share);
+		held = true;
 	});
+	if (!held) return;
+	btScaledWork all;
 	forEachContact(island, [&](size_t first, int count) {
-		gatherEnergyTank(first, bodies, Own::All, patches);
+		gatherEnergyTank(first, count, bodies, Own::All, patches);
 		const btScaledWork work = btContactEnergyTank::scaledWork(patches, count);
 		all = {all.linear + work.linear, all.square + work.square};
 	});
@@ -513,7 +512,7 @@ void btVolumetricIslands::enterWork(const Island& island, const btSolverBody* bo
 	btEnergyTankPatch patches[btISTContact::kMaxPatches];
 	double owed = 0, left = 0;
 	forEachContact(island, [&](size_t first, int count) {
-		gatherEnergyTank(first, bodies, Own::Contact, patches);
+		gatherEnergyTank(first, count, bodies, Own::Contact, patches);
 		btISTContact& contact = *m_entries[first].contact;
 		const double stored = contact.tank.stored;
 		owed += std::max(btContactEnergyTank::enter(contact.tank, patches, count, m_step) - stored, 0.0);

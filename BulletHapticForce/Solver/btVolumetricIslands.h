@@ -133,7 +133,7 @@ private:
 		Contact,
 		All
 	};
-	int gatherEnergyTank(size_t first, const btSolverBody* bodies, Own whose, btEnergyTankPatch* patches) const;
+	void gatherEnergyTank(size_t first, int count, const btSolverBody* bodies, Own whose, btEnergyTankPatch* patches) const;
 	template <class Act> void forEachContact(const Island& island, const Act& act) const;
 	void scale(Entry& e, double share, btSolverBody* bodies);
 	void holdToEnergyTanks(const Island& island, btSolverBody* bodies);

@@ -32,7 +32,7 @@ void btISTClusters::join(int a, int b)
 	Node& root = m_nodes[size_t(rootOf(a))];
 	if (m_nodes[size_t(b)].moves())
 	{
-		// The same root for any order of the pairs.
+		// The root is the same for any order of the pairs.
 		Node& other = m_nodes[size_t(rootOf(b))];
 		const int anchor = std::min(root.anchor, other.anchor);
 		root.parent = other.parent = std::min(root.parent, other.parent);
@@ -52,7 +52,7 @@ void btISTClusters::beginStep(const btISTContactStore& store, double step)
 		const int a = add(*contact->bodyA, step), b = add(*contact->bodyB, step);
 		if (a >= 0 && b >= 0) join(a, b);
 	}
-	// A root has the least index of its cluster, so that it is met first.
+	// This loop meets a root before the rest of its cluster, since the root has the least index.
 	for (size_t i = 0; i < m_nodes.size(); ++i)
 	{
 		const Node& node = m_nodes[i];
