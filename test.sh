@@ -1,19 +1,25 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Zlib
 # Installs what is missing, builds in Release, and runs tests.
-# Usage: ./test.sh [--all] [--yes]
+# Usage: ./test.sh [--all | --windows] [--yes]
 #   without --all: the libraries in single precision and their quick tests; some ten minutes on two cores without a compiler cache
 #   --all: everything that CI runs: both precisions, demos, consumers, each header by itself, and the sanitizers;
 #     the tests labelled "long" stay out
+#   --windows: the libraries, commands and tests for Windows, built by mingw-w64 and run under Wine; an hour on two cores
 set -euo pipefail
 cd "$(dirname "$0")"
 
-all='' options=()
+which=quick options=()
 for argument in "$@"; do
-	if [ "$argument" = --all ]; then all=1; else options+=("$argument"); fi
+	case $argument in
+	--all | --windows) which=${argument#--} ;;
+	*) options+=("$argument") ;;
+	esac
 done
 
-bash cmake/setup.sh tests "${options[@]}"
+scope=tests
+[ $which != windows ] || scope=windows
+bash cmake/setup.sh $scope "${options[@]}"
 run()
 {
 	cmake --preset "$1"
@@ -21,8 +27,10 @@ run()
 	[ "$1" != release ] || cmake --build --preset "$1" --target headers_alone
 	ctest --preset "$1"
 }
-if [ -n "$all" ]; then
+if [ $which = all ]; then
 	for preset in release asan tsan; do run $preset; done
+elif [ $which = windows ]; then
+	run windows-mingw
 else
 	run quick
 	echo "These were the quick tests. Run the rest with ./test.sh --all (more than an hour on two cores)." \

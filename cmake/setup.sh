@@ -1,22 +1,24 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Zlib
 # Installs the Debian packages that are missing: as root directly, else with sudo after saying what it will run.
-# Usage: cmake/setup.sh [core|library|demos|tests|release] [--yes]
+# Usage: cmake/setup.sh [core|library|demos|tests|release|windows] [--yes]
 #   core      for the libraries and commands that need no Bullet (BULLETHAPTICS_BULLET=OFF)
 #   library   for all libraries and commands
 #   demos     for the demos, the drivers of devices and the Debian packages, too
 #   tests     for all tests but those labelled "long", the Python module and the documentation, too (default)
 #   release   for the tests labelled "long", too, as far as Debian has what they need
+#   windows   for the libraries, commands and tests for Windows (preset windows-mingw) alone. It also builds Bullet,
+#             assimp and GoogleTest for Windows, from Debian's sources, into ~/.cache/bullethaptics/windows (a quarter of an hour, once)
 #   --yes     do not ask
 set -euo pipefail
 
 scope=tests yes=
 for argument in "$@"; do
 	case $argument in
-	core | library | demos | tests | release) scope=$argument ;;
+	core | library | demos | tests | release | windows) scope=$argument ;;
 	--yes) yes=1 ;;
 	*)
-		echo "setup.sh: what is $argument? Known are core, library, demos, tests, release, --yes" >&2
+		echo "setup.sh: what is $argument? Known are core, library, demos, tests, release, windows, --yes" >&2
 		exit 2
 		;;
 	esac
@@ -40,13 +42,26 @@ library)
 core)
 	packages+=(g++ make cmake ninja-build ccache pkg-config libeigen3-dev libassimp-dev zlib1g-dev libcli11-dev nlohmann-json3-dev)
 	;;
+windows)
+	packages+=(g++-mingw-w64-x86-64-posix libz-mingw-w64-dev wine64 make cmake ninja-build ccache pkg-config dpkg-dev ca-certificates python3
+		libeigen3-dev libcli11-dev nlohmann-json3-dev libboost-dev googletest libutfcpp-dev libstb-dev)
+	;;
 esac
+
+# What Debian has for Linux only.
+finish()
+{
+	[ "$scope" != windows ] || bash "$(dirname "$0")/windows_dependencies.sh"
+}
 
 missing=()
 for package in "${packages[@]}"; do
 	[ "$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null)" = "install ok installed" ] || missing+=("$package")
 done
-[ ${#missing[@]} -eq 0 ] && exit 0
+if [ ${#missing[@]} -eq 0 ]; then
+	finish
+	exit
+fi
 
 line="apt-get install --no-install-recommends -y ${missing[*]}"
 if [ "$(id -u)" -eq 0 ]; then
@@ -69,3 +84,4 @@ fi
 export DEBIAN_FRONTEND=noninteractive
 "${run[@]}" apt-get update -qq >&2
 "${run[@]}" $line >&2
+finish

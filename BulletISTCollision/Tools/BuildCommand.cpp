@@ -7,10 +7,12 @@
 #include "BulletISTCollision/Core/Import/MeshImport.h"
 #include "BulletISTCollision/Core/Mesh/LengthUnit.h"
 #include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
+#include "BulletISTCollision/Core/Platform/Utf8Path.h"
 #include "BulletISTCollision/Core/Tuning/ExpectedError.h"
 #include "BulletISTCollision/Tools/BuildProgress.h"
 #include "BulletISTCollision/Tools/Interruption.h"
 #include "BulletISTCollision/Tools/OutputFile.h"
+#include "BulletISTCollision/Tools/Platform/PeakMemory.h"
 #include "BulletISTCollision/Tools/ProgressBar.h"
 #include "BulletISTCollision/Tools/Report.h"
 
@@ -21,8 +23,6 @@
 #include <filesystem>
 #include <optional>
 #include <utility>
-
-#include <sys/resource.h>
 
 namespace ist::tools
 {
@@ -55,7 +55,7 @@ std::optional<BuildProgress> wholeBuild(const BuildArguments& a, double triangle
 double fileBytes(const std::string& path)
 {
 	std::error_code failure;
-	const auto bytes = std::filesystem::file_size(path, failure);
+	const auto bytes = std::filesystem::file_size(systemPath(path), failure);
 	return failure ? 0 : double(bytes);
 }
 
@@ -102,14 +102,6 @@ std::string doubtWords(const RepairedMesh& repaired)
 {
 	return "the volume of " + ist::number(repaired.volumeAfter) + " m^3 may be off by " + ist::number(repaired.volumeDoubt) + " m^3 (" +
 		ist::number(std::ceil(100 * shareInDoubt(repaired))) + " %), because parts of the surface are missing or were rebuilt";
-}
-
-double peakMemoryBytes()
-{
-	rusage self{}, reader{};
-	getrusage(RUSAGE_SELF, &self);
-	getrusage(RUSAGE_CHILDREN, &reader);
-	return static_cast<double>(std::max(self.ru_maxrss, reader.ru_maxrss)) * 1024;
 }
 }  // namespace
 

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
+#include "BulletISTCollision/Core/Platform/Utf8Path.h"
 #include "BulletISTCollision/Tools/Report.h"
 
 #include <chrono>
@@ -19,7 +20,7 @@ namespace
 uint32_t storedVersion(const std::string& path)
 {
 	unsigned char head[12] = {};
-	std::ifstream(path, std::ios::binary).read(reinterpret_cast<char*>(head), sizeof head);
+	std::ifstream(systemPath(path), std::ios::binary).read(reinterpret_cast<char*>(head), sizeof head);
 	return head[8] | head[9] << 8 | head[10] << 16 | static_cast<uint32_t>(head[11]) << 24;
 }
 }  // namespace
@@ -34,7 +35,7 @@ int runInfo(const InfoArguments& a)
 	askAboutSize(a.file, tree.box.longestSide());
 	std::error_code ignored;
 	Report report = newReport();
-	describeTree(report, tree, std::filesystem::file_size(a.file, ignored));
+	describeTree(report, tree, std::filesystem::file_size(systemPath(a.file), ignored));
 	report["peak_memory_bytes"] = nullptr;  // memory of the build, which the asset does not record
 	report["seconds_load"] = seconds;
 	report["version"] = storedVersion(a.file);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Tools/PoseRows.h"
 
+#include "BulletISTCollision/Core/Platform/Utf8Path.h"
 #include "BulletISTCollision/Tools/NumberText.h"
 
 #include <algorithm>
@@ -78,7 +79,7 @@ PoseRow parsePose(const std::string& text)
 
 Result<std::vector<PoseRow>> readPoses(const std::string& path)
 {
-	std::ifstream in(path);
+	std::ifstream in(systemPath(path));
 	if (!in) return Error{"\"" + path + "\" cannot be opened for reading"};
 	std::vector<PoseRow> rows;
 	std::array<size_t, 7> columns{};

@@ -1,23 +1,16 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Tools/ProgressBar.h"
 
+#include "BulletISTCollision/Tools/Platform/Terminal.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 namespace ist::tools
 {
 namespace
 {
-int terminalWidth()
-{
-	winsize size{};
-	return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
-}
-
 /// The line must fit into the width. Otherwise the terminal would wrap it, and the next line could not replace it.
 std::string barLine(const char* stage, int percent, const std::string& left, const char* of, int width)
 {
@@ -34,7 +27,7 @@ std::string barLine(const char* stage, int percent, const std::string& left, con
 }
 }  // namespace
 
-ProgressBar::ProgressBar() : m_terminal(isatty(STDERR_FILENO) == 1) {}
+ProgressBar::ProgressBar() : m_terminal(hasTerminal()) {}
 
 ProgressBar::~ProgressBar() { finish(); }
 

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Mesh/LengthUnit.h"
 #include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
+#include "BulletISTCollision/Core/Platform/Utf8Path.h"
 #include "BulletISTCollision/Core/Repair/MeshGround.h"
 #include "BulletISTCollision/Json/ReadableText.h"
 #include "BulletISTCollision/Tools/Commands.h"
@@ -134,10 +135,10 @@ Result<InnerSphereTree> loadTree(const std::string& path)
 {
 	Result<InnerSphereTree> tree = loadAsset(path);
 	std::error_code missing;
-	const std::string ending = std::filesystem::path(path).extension().string();
-	if (tree || ending == ".ist" || ending == ".ista" || !std::filesystem::is_regular_file(path, missing)) return tree;
+	const std::string ending = utf8Path(systemPath(path).extension());
+	if (tree || ending == ".ist" || ending == ".ista" || !std::filesystem::is_regular_file(systemPath(path), missing)) return tree;
 	return Error{tree.error().message + "; if it is a mesh, make a tree of it: ist build " + path + " -o " +
-		std::filesystem::path(path).stem().string() + ".ist"};
+		utf8Path(systemPath(path).stem()) + ".ist"};
 }
 
 void askAboutSize(const std::string& path, double longestSide)

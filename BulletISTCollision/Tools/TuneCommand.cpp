@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Core/Platform/Utf8Path.h"
 #include "BulletISTCollision/Core/Tuning/TuneFigures.h"
 #include "BulletISTCollision/Tools/Interruption.h"
 #include "BulletISTCollision/Tools/NumberText.h"
@@ -25,7 +26,7 @@ bool goesOn(const char*, double) { return !interrupted(); }
 Result<TuneBody> bodyOf(const std::string& path)
 {
 	TuneBody body{path, std::nullopt, {}};
-	const std::string end = std::filesystem::path(path).extension().string();
+	const std::string end = utf8Path(systemPath(path).extension());
 	if (end == ".ist" || end == ".ista")
 	{
 		Result<InnerSphereTree> tree = loadAsset(path);

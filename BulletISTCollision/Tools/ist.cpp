@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Base/Version.h"
 #include "BulletISTCollision/Core/Mesh/LengthUnit.h"
+#include "BulletISTCollision/Core/Platform/CommandProcess.h"
 #include "BulletISTCollision/Tools/IntegerArgument.h"
 #include "BulletISTCollision/Tools/UnknownCommand.h"
 
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <functional>
@@ -40,20 +40,18 @@ public:
 		addTune();
 	}
 
-	int run(int argc, char** argv)
+	int run(const std::vector<std::string>& given)
 	{
-		if (argc > 1)
-			if (const std::string sentence = unknownCommand(argv[1], commands()); !sentence.empty()) return fail(sentence, kUsage);
+		if (given.size() > 1)
+			if (const std::string sentence = unknownCommand(given[1], commands()); !sentence.empty()) return fail(sentence, kUsage);
 		try
 		{
-			m_app.parse(arguments(argc, argv));
+			m_app.parse(arguments(given));
 		}
 		catch (const CLI::ParseError& e)
 		{
 			return m_app.exit(e) == 0 ? kGood : kUsage;
 		}
-		// Reaching a limit on file sizes then is a write error, and does not end the program with an incomplete file.
-		std::signal(SIGXFSZ, SIG_IGN);
 		const int code = m_command();
 		const bool printed = std::fflush(stdout) == 0 && std::ferror(stdout) == 0;
 		return printed || code != kGood ? code : fail("standard output cannot be written");
@@ -69,16 +67,14 @@ private:
 
 	/// The arguments in the order that CLI11 wants, last first. The depth of `--repair ground 2` becomes a part of its value: an option
 	/// with a second value that may be missing would take the mesh for it.
-	static std::vector<std::string> arguments(int argc, char** argv)
+	static std::vector<std::string> arguments(const std::vector<std::string>& given)
 	{
 		std::vector<std::string> result;
-		for (int i = 1; i < argc; ++i)
+		for (size_t i = 1; i < given.size(); ++i)
 		{
-			result.emplace_back(argv[i]);
-			const bool isGround = result.back() == "--repair=ground" ||
-				(result.back() == "ground" && std::string_view(argv[i - 1]) == "--repair");
-			if (isGround && i + 1 < argc && repairChoice("ground " + std::string(argv[i + 1])))
-				result.back() += " " + std::string(argv[++i]);
+			result.push_back(given[i]);
+			const bool isGround = result.back() == "--repair=ground" || (result.back() == "ground" && given[i - 1] == "--repair");
+			if (isGround && i + 1 < given.size() && repairChoice("ground " + given[i + 1])) result.back() += " " + given[++i];
 		}
 		std::reverse(result.begin(), result.end());
 		return result;
@@ -279,9 +275,10 @@ private:
 
 int main(int argc, char** argv)
 {
+	ist::prepareCommand();
 	try
 	{
-		return ist::tools::CommandLine().run(argc, argv);
+		return ist::tools::CommandLine().run(ist::commandArguments(argc, argv));
 	}
 	catch (const std::exception& e)
 	{

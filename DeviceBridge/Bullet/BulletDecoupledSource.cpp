@@ -5,7 +5,7 @@
 #include "BulletISTCollision/Core/Base/ThreadTime.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 #include "DeviceBridge/Bullet/BulletShapeParts.h"
-#include "DeviceBridge/Timing/RealTimePriority.h"
+#include "DeviceBridge/Platform/RealTimePriority.h"
 
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
@@ -464,7 +464,7 @@ bool BulletDecoupledSource::startContactThread()
 {
 	const auto begin = [this] {
 		m_threadTime = ist::threadMicroseconds();
-		if (m_settings.realTime) m_contactRealTime = askForRealTimePriority(m_settings.priority);
+		if (m_settings.realTime) m_contactRealTime = askForRealTimePriority(m_settings.priority).granted;
 	};
 	return m_thread.start(begin, [this] { return serveContacts(); });
 }

@@ -7,6 +7,7 @@
 #include "BulletISTCollision/Core/Asset/AtomicFile.h"
 #include "BulletISTCollision/Core/Asset/ByteStream.h"
 #include "BulletISTCollision/Core/Asset/Checksum.h"
+#include "BulletISTCollision/Core/Platform/MappedFile.h"
 
 namespace devicebridge
 {

@@ -10,8 +10,8 @@
 #include <thread>
 #include <utility>
 
+#include "DeviceBridge/Platform/RealTimePriority.h"
 #include "DeviceBridge/Timing/Clock.h"
-#include "DeviceBridge/Timing/RealTimePriority.h"
 #include "DeviceBridge/Timing/TripleBuffer.h"
 
 namespace devicebridge

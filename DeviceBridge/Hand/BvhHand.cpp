@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Hand/BvhHand.h"
 
-#include "BulletISTCollision/Core/Asset/AtomicFile.h"
+#include "BulletISTCollision/Core/Platform/MappedFile.h"
 #include "DeviceBridge/Hand/HandFromPoints.h"
 #include "DeviceBridge/Hand/HandParts.h"
 

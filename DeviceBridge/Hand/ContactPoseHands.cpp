@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Hand/ContactPoseHands.h"
 
-#include "BulletISTCollision/Core/Asset/AtomicFile.h"
+#include "BulletISTCollision/Core/Platform/MappedFile.h"
 #include "BulletISTCollision/Json/JsonValue.h"
 #include "DeviceBridge/Hand/HandFromPoints.h"
 

@@ -2,6 +2,7 @@
 #include "DeviceBridge/Hand/HandMotion.h"
 
 #include "BulletISTCollision/Core/Asset/AtomicFile.h"
+#include "BulletISTCollision/Core/Platform/MappedFile.h"
 
 #include <algorithm>
 #include <charconv>

@@ -1,19 +1,13 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Loop/SteppingThread.h"
 
-#include "DeviceBridge/Timing/RealTimePriority.h"
+#include "DeviceBridge/Platform/RealTimePriority.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <exception>
 #include <limits>
-
-#if defined(__linux__)
-#include <sys/mman.h>
-#include <sys/resource.h>
-#include <unistd.h>
-#endif
 
 namespace devicebridge
 {
@@ -190,31 +184,12 @@ void SteppingThread::stop() noexcept
 
 void SteppingThread::askForRealTime() noexcept
 {
-	m_scheduling = "normal priority: real time was not asked for";
-	if (!m_settings.realTime) return;
-#if defined(__linux__)
-	m_scheduling = askForRealTimePriority(m_settings.priority)
-		? "real time (SCHED_FIFO)"
-		: "normal priority: SCHED_FIFO was refused; it needs CAP_SYS_NICE or an rtprio limit";
-#else
-	m_scheduling = "normal priority: real time is not supported on this platform";
-#endif
+	m_scheduling = m_settings.realTime ? askForRealTimePriority(m_settings.priority).words : "normal priority: real time was not asked for";
 }
 
 void SteppingThread::askForMemory() noexcept
 {
-	m_memory = "not locked: it was not asked for";
-	if (!m_settings.lockMemory) return;
-#if defined(__linux__)
-	// With a limit, the system would refuse new pages later, in the middle of the program that uses this library.
-	rlimit limit{};
-	const bool unlimited = geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
-	m_memory = unlimited && mlockall(MCL_CURRENT | MCL_FUTURE) == 0
-		? "locked"
-		: "not locked: it was refused; it needs CAP_IPC_LOCK or an unlimited memlock limit";
-#else
-	m_memory = "not locked: that is not supported on this platform";
-#endif
+	m_memory = m_settings.lockMemory ? askForLockedMemory().words : "not locked: it was not asked for";
 }
 
 void SteppingThread::waitForTick() noexcept

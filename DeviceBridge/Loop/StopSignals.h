@@ -5,9 +5,9 @@ namespace devicebridge
 {
 class SteppingThread;
 
-/// During its lifetime, SIGINT and SIGTERM request a stepping thread to stop: the thread ends after the tick in progress and leaves its
-/// device at zero. The previous handlers are restored when the last object is destroyed. A second signal calls those. At most kMostThreads
-/// objects exist at a time.
+/// During its lifetime, SIGINT and SIGTERM (on Windows Ctrl-C, Ctrl-Break, a closed console and the end of the session) request a stepping
+/// thread to stop: the thread ends after the tick in progress and leaves its device at zero. The previous handlers are restored when the
+/// last object is destroyed. A second signal calls those. At most kMostThreads objects exist at a time.
 class StopSignals
 {
 public:

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
-#include <dlfcn.h>
-
-#include <cstdlib>
 #include <initializer_list>
+#include <optional>
 #include <string>
+
+#include "BulletISTCollision/Core/Platform/Environment.h"
+#include "DeviceBridge/Platform/DynamicLibrary.h"
 
 namespace devicebridge::plugin
 {
@@ -13,35 +14,36 @@ namespace devicebridge::plugin
 class VendorLibrary
 {
 public:
+	/// `names`: what the library is called on all systems; those of other systems are not looked for.
 	VendorLibrary(const char* variable, std::initializer_list<const char*> names)
 	{
-		const char* const file = std::getenv(variable);
-		if (file) open(file);
-		for (const char* name : names)
-			if (!file && !m_library) open(name);
-		if (!m_library)
-			m_why += "; install the vendor's software, add its folder to LD_LIBRARY_PATH or name the file in " + std::string(variable);
+		const std::optional<std::string> file = ist::environmentValue(variable);
+		if (file) open(*file);
+		for (const std::string name : names)
+			if (!file && !m_library.isLoaded() && name.find(kLibraryEnding) != name.npos) open(name);
+		if (!m_library.isLoaded())
+			m_why += "; install the vendor's software, add its folder to " + std::string(kLibraryFolders) + " or name the file in " +
+				variable;
 	}
 
 	/// Looks up a function. It is null if the symbol is missing, and why() names the first missing symbol.
 	template <class Function> void find(const char* symbol, Function*& function)
 	{
-		function = m_library ? reinterpret_cast<Function*>(dlsym(m_library, symbol)) : nullptr;
-		if (m_library && !function && m_why.empty()) m_why = m_file + " lacks the function " + symbol;
+		function = m_library.isLoaded() ? m_library.find<Function>(symbol) : nullptr;
+		if (m_library.isLoaded() && !function && m_why.empty()) m_why = m_file + " lacks the function " + symbol;
 	}
 	/// What is missing; empty if everything was found.
 	const std::string& why() const { return m_why; }
 
 private:
-	void open(const char* file)
+	void open(const std::string& file)
 	{
 		m_file = file;
-		m_library = dlopen(file, RTLD_NOW | RTLD_GLOBAL | RTLD_NODELETE);
-		if (m_library) m_why.clear();
-		else m_why += (m_why.empty() ? "" : "; ") + std::string(dlerror());
+		if (m_library.load(file, DynamicLibrary::Symbols::Shared)) m_why.clear();
+		else m_why += (m_why.empty() ? "" : "; ") + m_library.why();
 	}
 
 	std::string m_file, m_why;
-	void* m_library = nullptr;
+	DynamicLibrary m_library;
 };
 }  // namespace devicebridge::plugin

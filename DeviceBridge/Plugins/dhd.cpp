@@ -43,7 +43,7 @@ struct DhdFunctions
 DhdFunctions loadDhd()
 {
 	DhdFunctions f;
-	VendorLibrary library("DEVICEBRIDGE_DHD_LIBRARY", {"libdhd.so.3", "libdhd.so"});
+	VendorLibrary library("DEVICEBRIDGE_DHD_LIBRARY", {"libdhd.so.3", "libdhd.so", "dhd64.dll"});
 	library.find("dhdGetDeviceCount", f.count), library.find("dhdOpenID", f.openId), library.find("dhdClose", f.close);
 	library.find("dhdStop", f.stop), library.find("dhdEnableForce", f.enableForce);
 	library.find("dhdGetSystemType", f.systemType), library.find("dhdGetSystemName", f.systemName);

@@ -54,7 +54,7 @@ struct HdFunctions
 HdFunctions loadHd()
 {
 	HdFunctions f;
-	VendorLibrary library("DEVICEBRIDGE_HD_LIBRARY", {"libHD.so.3", "libHD.so"});
+	VendorLibrary library("DEVICEBRIDGE_HD_LIBRARY", {"libHD.so.3", "libHD.so", "HD.dll"});
 	library.find("hdInitDevice", f.init), library.find("hdMakeCurrentDevice", f.makeCurrent), library.find("hdDisableDevice", f.disable);
 	library.find("hdBeginFrame", f.beginFrame), library.find("hdEndFrame", f.endFrame), library.find("hdGetError", f.error);
 	library.find("hdGetErrorString", f.errorText), library.find("hdEnable", f.enable), library.find("hdGetIntegerv", f.getIntegers);

@@ -45,7 +45,7 @@ struct VirtuoseFunctions
 VirtuoseFunctions loadVirtuose()
 {
 	VirtuoseFunctions f;
-	VendorLibrary library("DEVICEBRIDGE_VIRTUOSE_LIBRARY", {"virtuoseAPI.so"});
+	VendorLibrary library("DEVICEBRIDGE_VIRTUOSE_LIBRARY", {"virtuoseAPI.so", "virtuoseAPI.dll"});
 	library.find("virtOpen", f.open), library.find("virtClose", f.close), library.find("virtSetCommandType", f.setCommandType);
 	library.find("virtSetIndexingMode", f.setIndexing), library.find("virtSetTimeStep", f.setTimeStep);
 	library.find("virtSetForceFactor", f.setForceFactor), library.find("virtSetSpeedFactor", f.setSpeedFactor);

@@ -16,7 +16,7 @@ public:
 	virtual void sleepUntil(std::int64_t deadline) noexcept = 0;
 };
 
-/// CLOCK_MONOTONIC with absolute sleeps; std::chrono::steady_clock where the platform lacks it.
+/// The monotonic clock of the system, with absolute sleeps. Windows: the performance counter, with high-resolution timers.
 class RealClock final : public Clock
 {
 public:

@@ -2,15 +2,18 @@
 #include "DeviceBridge/Tools/Commands.h"
 
 #include "BulletISTCollision/Core/Base/Version.h"
+#include "BulletISTCollision/Core/Platform/CommandProcess.h"
+#include "BulletISTCollision/Core/Platform/Environment.h"
 #include "BulletISTCollision/Tools/IntegerArgument.h"
 #include "BulletISTCollision/Tools/UnknownCommand.h"
 
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <functional>
+#include <string>
+#include <vector>
 
 namespace devicebridge::tools
 {
@@ -55,14 +58,14 @@ public:
 		addZWidth();
 	}
 
-	int run(int argc, char** argv)
+	int run(const std::vector<std::string>& arguments)
 	{
-		if (argc > 1)
-			if (const std::string sentence = ist::tools::unknownCommand(argv[1], commands()); !sentence.empty())
+		if (arguments.size() > 1)
+			if (const std::string sentence = ist::tools::unknownCommand(arguments[1], commands()); !sentence.empty())
 				return fail(sentence, kUsage);
 		try
 		{
-			m_app.parse(argc, argv);
+			m_app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend() - 1));  // the last one first
 		}
 		catch (const CLI::ParseError& e)
 		{
@@ -136,11 +139,12 @@ private:
 
 int main(int argc, char** argv)
 {
+	ist::prepareCommand();
 	// The messages of OpenXR's loader are replaced by the sentence that `list` prints.
-	setenv("XR_LOADER_DEBUG", "none", 0);
+	ist::setEnvironmentDefault("XR_LOADER_DEBUG", "none");
 	try
 	{
-		return devicebridge::tools::CommandLine().run(argc, argv);
+		return devicebridge::tools::CommandLine().run(ist::commandArguments(argc, argv));
 	}
 	catch (const std::exception& e)
 	{

@@ -2,6 +2,7 @@
 #include "TestSupport/SceneFiles/AssetCache.h"
 
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
+#include "BulletISTCollision/Core/Platform/Utf8Path.h"
 
 #include <chrono>
 #include <cinttypes>
@@ -41,9 +42,9 @@ Result<CachedTree> treeFromCache(const Mesh& mesh, const BuildOptions& options, 
 		if (say) say(text);
 	};
 	const uint64_t hash = meshHash(mesh);
-	const std::string path = folder.empty() ? "" : (std::filesystem::path(folder) / fileName(name, hash, options)).string();
+	const std::string path = folder.empty() ? "" : ist::utf8Path(ist::systemPath(folder) / fileName(name, hash, options));
 	std::error_code ignored;
-	if (!path.empty() && std::filesystem::exists(path, ignored))
+	if (!path.empty() && std::filesystem::exists(ist::systemPath(path), ignored))
 	{
 		Result<InnerSphereTree> loaded = loadAsset(path);
 		if (loaded && wasBuiltWith(loaded.value(), hash, options))
@@ -54,7 +55,7 @@ Result<CachedTree> treeFromCache(const Mesh& mesh, const BuildOptions& options, 
 	if (!built) return built.error();
 	if (!path.empty())
 	{
-		std::filesystem::create_directories(folder, ignored);
+		std::filesystem::create_directories(ist::systemPath(folder), ignored);
 		const Result<size_t> saved = saveAsset(built.value(), path);
 		if (!saved) tell(saved.error().message + "; the next run will build the tree again");
 	}

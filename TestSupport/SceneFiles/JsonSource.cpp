@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "TestSupport/SceneFiles/JsonSource.h"
 
+#include "BulletISTCollision/Core/Platform/Utf8Path.h"
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -156,8 +158,8 @@ ist::Result<JsonSource> JsonSource::load(const std::string& path)
 {
 	const Error unreadable{path + ": cannot be read"};
 	std::error_code failed;
-	if (!std::filesystem::is_regular_file(path, failed)) return unreadable;
-	std::ifstream file(path, std::ios::binary);
+	if (!std::filesystem::is_regular_file(ist::systemPath(path), failed)) return unreadable;
+	std::ifstream file(ist::systemPath(path), std::ios::binary);
 	std::ostringstream text;
 	if (!file.is_open() || (file.peek() != std::ifstream::traits_type::eof() && !(text << file.rdbuf())) || file.bad()) return unreadable;
 	return parse(path, text.str());

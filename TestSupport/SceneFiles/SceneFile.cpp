@@ -2,6 +2,7 @@
 #include "TestSupport/SceneFiles/SceneFile.h"
 
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Platform/Utf8Path.h"
 #include "TestSupport/SceneFiles/SceneReader.h"
 #include "TestSupport/SceneFiles/SceneShapes.h"
 
@@ -26,7 +27,7 @@ Result<Scene> SceneReader::read(const std::string& name)
 	root.text("$schema");  // for editors
 	root.need("schema");
 	if (root.number("schema", 1, -1e9, 1e9) != 1) root.refuse("schema", "this program reads schema 1");
-	m_scene.name = root.text("name", std::filesystem::path(name).stem().string());
+	m_scene.name = root.text("name", ist::utf8Path(ist::systemPath(name).stem()));
 	m_scene.about = root.text("about");
 	m_scene.duration = root.number("duration", 0, 1e-3, kLongestRun);
 	m_scene.gravity = root.vector("gravity", m_scene.gravity, 1000);
@@ -52,7 +53,7 @@ std::string SceneReader::placeOf(const JsonFields& f, const std::string& name) c
 
 std::string SceneReader::fileName(const std::string& name) const
 {
-	return name.empty() ? name : (std::filesystem::path(m_folder) / name).lexically_normal().string();
+	return name.empty() ? name : ist::utf8Path((ist::systemPath(m_folder) / ist::systemPath(name)).lexically_normal());
 }
 
 Pose SceneReader::readPose(JsonFields& f)
@@ -273,6 +274,6 @@ Result<Scene> parseScene(
 
 Result<Scene> loadScene(const std::string& path, const std::vector<SceneSetting>& settings)
 {
-	return readScene(JsonSource::load(path), path, std::filesystem::path(path).parent_path().string(), settings);
+	return readScene(JsonSource::load(path), path, ist::utf8Path(ist::systemPath(path).parent_path()), settings);
 }
 }  // namespace scenes

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "TestSupport/SceneFiles/SceneReader.h"
 
+#include "BulletISTCollision/Core/Platform/Utf8Path.h"
+
 #include <filesystem>
 #include <system_error>
 
@@ -16,9 +18,10 @@ bool isSameFile(const std::string& a, const std::string& b)
 	if (a.empty() || b.empty()) return false;
 	namespace fs = std::filesystem;
 	std::error_code failed;
-	if (fs::equivalent(a, b, failed)) return true;
-	const fs::path left = fs::weakly_canonical(fs::absolute(a, failed), failed),
-				   right = fs::weakly_canonical(fs::absolute(b, failed), failed);
+	const fs::path first = ist::systemPath(a), second = ist::systemPath(b);
+	if (fs::equivalent(first, second, failed)) return true;
+	const fs::path left = fs::weakly_canonical(fs::absolute(first, failed), failed),
+				   right = fs::weakly_canonical(fs::absolute(second, failed), failed);
 	return a == b || (!left.empty() && left == right);
 }
 }  // namespace

@@ -5,9 +5,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <locale>
+#include <optional>
 #include <string>
 
-#include <unistd.h>
+#include "tests/unit/TestEnvironment.h"
 
 /// Makes the whole program write numbers with a decimal comma while it lives, as a host does that calls setlocale(LC_ALL, ""). A locale
 /// that the system lacks is compiled by localedef into a folder of its own. `there()` is false where that fails, and then nothing is
@@ -18,7 +19,7 @@ public:
 	/// "de_DE", "fr_FR", "tr_TR" and the like.
 	explicit CommaLocale(const std::string& name)
 	{
-		const std::string locale = name + ".UTF-8";
+		const std::string locale = windowsName(name).value_or(name + ".UTF-8");
 		if (std::setlocale(LC_ALL, locale.c_str()) || (compile(name, locale) && std::setlocale(LC_ALL, locale.c_str())))
 			m_there = std::string(std::localeconv()->decimal_point) == ",";
 		if (!m_there) std::setlocale(LC_ALL, m_before.c_str());
@@ -37,6 +38,16 @@ public:
 	bool there() const { return m_there; }
 
 private:
+	/// What Windows calls a locale; nothing elsewhere.
+	static std::optional<std::string> windowsName([[maybe_unused]] const std::string& name)
+	{
+#if defined(_WIN32)
+		if (name == "de_DE") return "German_Germany";
+		if (name == "fr_FR") return "French_France";
+		if (name == "tr_TR") return "Turkish_Turkey";
+#endif
+		return std::nullopt;
+	}
 	bool compile(const std::string& name, const std::string& locale)
 	{
 		m_folder = (std::filesystem::temp_directory_path() / ("ist_locale_" + std::to_string(getpid()))).string();

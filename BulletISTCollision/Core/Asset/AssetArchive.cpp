@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/Asset/AtomicFile.h"
 #include "BulletISTCollision/Core/Asset/Checksum.h"
 #include "BulletISTCollision/Core/Asset/FloatCode.h"
+#include "BulletISTCollision/Core/Base/AlignedBytes.h"
 
 #include <numeric>
 #include <span>

@@ -5,6 +5,8 @@
 #include "BulletISTCollision/Core/Asset/AssetSections.h"
 #include "BulletISTCollision/Core/Asset/AtomicFile.h"
 #include "BulletISTCollision/Core/Asset/Checksum.h"
+#include "BulletISTCollision/Core/Base/AlignedBytes.h"
+#include "BulletISTCollision/Core/Platform/MappedFile.h"
 
 #include <algorithm>
 #include <cmath>

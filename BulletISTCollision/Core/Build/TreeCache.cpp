@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "BulletISTCollision/Core/Asset/AtomicFile.h"
 #include "BulletISTCollision/Core/Asset/Checksum.h"
+#include "BulletISTCollision/Core/Platform/Utf8Path.h"
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
 #include <charconv>
@@ -47,11 +48,11 @@ std::string whyNoInside(double doubt, double mostDoubt, RepairMode mode)
 }
 
 /// Path of the file that holds the doubt about the mesh of a tree.
-std::string doubtFile(const std::string& treeFile) { return std::filesystem::path(treeFile).replace_extension(".doubt").string(); }
+std::string doubtFile(const std::string& treeFile) { return utf8Path(systemPath(treeFile).replace_extension(".doubt")); }
 
 std::optional<double> savedDoubt(const std::string& treeFile)
 {
-	std::ifstream file(doubtFile(treeFile), std::ios::binary);
+	std::ifstream file(systemPath(doubtFile(treeFile)), std::ios::binary);
 	const std::string text{std::istreambuf_iterator<char>(file), {}};
 	double doubt = 0;
 	const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), doubt);
@@ -83,7 +84,7 @@ Result<double> doubtBehind(const InnerSphereTree& tree, const std::string& treeF
 std::string keep(const InnerSphereTree& tree, double doubt, const std::string& folder, const std::string& path)
 {
 	std::error_code failure;
-	std::filesystem::create_directories(folder, failure);
+	std::filesystem::create_directories(systemPath(folder), failure);
 	if (failure) return folder + ": " + failure.message();
 	if (!tree.provenance.watertight) saveDoubt(doubt, path);
 	const Result<size_t> saved = saveAsset(tree, path);
@@ -112,9 +113,9 @@ Result<CachedTree> cachedTree(const Mesh& mesh, const BuildOptions& options, con
 	{
 		char name[32];
 		std::snprintf(name, sizeof name, "%016" PRIx64 ".ist", treeKey(mesh, options));
-		path = (std::filesystem::path(folder) / name).string();
+		path = utf8Path(systemPath(folder) / name);
 		std::error_code ignored;
-		if (std::filesystem::exists(path, ignored))
+		if (std::filesystem::exists(systemPath(path), ignored))
 		{
 			Result<InnerSphereTree> loaded = loadAsset(path);
 			if (loaded && wasBuiltWith(loaded.value(), meshHash(mesh), options))

@@ -2,44 +2,9 @@
 #include "BulletISTCollision/Core/Import/ImportPipe.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <utility>
-
-#include <poll.h>
-#include <unistd.h>
 
 namespace ist
 {
-namespace
-{
-/// Calls until all bytes are through. Both read() and write() return 0 or less when no more will come.
-template <class Call> bool transfer(std::size_t size, const Call& call)
-{
-	for (std::size_t done = 0; done < size;)
-	{
-		const ssize_t n = call(done);
-		if (n > 0) done += static_cast<std::size_t>(n);
-		else if (n == 0 || errno != EINTR) return false;
-	}
-	return true;
-}
-}  // namespace
-
-void ImportPipe::close()
-{
-	if (m_file >= 0) ::close(std::exchange(m_file, -1));
-}
-
-bool ImportPipe::sendBytes(const void* data, std::size_t size)
-{
-	return transfer(size, [&](std::size_t done) { return ::write(m_file, static_cast<const char*>(data) + done, size - done); });
-}
-
-bool ImportPipe::receiveBytes(void* data, std::size_t size)
-{
-	return transfer(size, [&](std::size_t done) { return ::read(m_file, static_cast<char*>(data) + done, size - done); });
-}
-
 template <class Array> bool ImportPipe::receiveArray(Array& array)
 {
 	constexpr std::size_t kBlock = (std::size_t(1) << 24) / sizeof array[0];
@@ -50,15 +15,9 @@ template <class Array> bool ImportPipe::receiveArray(Array& array)
 	{
 		const std::size_t done = array.size(), more = std::min(kBlock, size - done);
 		array.resize(done + more);
-		if (!receiveBytes(array.data() + done, more * sizeof array[0])) return false;
+		if (!m_end.receive(array.data() + done, more * sizeof array[0])) return false;
 	}
 	return true;
-}
-
-bool ImportPipe::waits(int milliseconds) const
-{
-	pollfd asked{m_file, POLLIN, 0};
-	return ::poll(&asked, 1, milliseconds) > 0;
 }
 
 bool ImportPipe::sendSurface(const TexturedMesh& textured)

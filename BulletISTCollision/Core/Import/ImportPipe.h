@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Base/Result.h"
 #include "BulletISTCollision/Core/Mesh/TexturedMesh.h"
+#include "BulletISTCollision/Core/Platform/PipeEnd.h"
 
 #include <cstddef>
 #include <optional>
@@ -12,8 +13,8 @@
 
 namespace ist
 {
-/// One end of the pipe from the importer program to the process that wants the mesh. Both run on one machine and are of one release, so
-/// numbers are sent as they lie in memory. Functions return false if the other end is closed, or if what arrives cannot be right.
+/// The messages in the pipe from the importer program to the process that wants the mesh. Both run on one machine and are of one release,
+/// so numbers are sent as they lie in memory. Functions return false if the other end is closed, or if what arrives cannot be right.
 class ImportPipe
 {
 public:
@@ -25,19 +26,14 @@ public:
 		Surface    ///< a mesh; nothing follows
 	};
 
-	/// Takes the file descriptor, and closes it.
-	explicit ImportPipe(int file) : m_file(file) {}
-	~ImportPipe() { close(); }
-	ImportPipe(const ImportPipe&) = delete;
-	ImportPipe& operator=(const ImportPipe&) = delete;
-	void close();
+	explicit ImportPipe(PipeEnd& end) : m_end(end) {}
 
 	bool sendFraction(double fraction) { return send(Part::Fraction) && send(fraction); }
 	bool sendFailure(const std::string& sentence) { return send(Part::Failure) && sendArray(sentence); }
 	bool sendSurface(const TexturedMesh& textured);
 
 	/// Whether the next receive will not block, because data has arrived or the other end is closed. Waits at most this long.
-	bool waits(int milliseconds) const;
+	bool waits(int milliseconds) const { return m_end.waits(milliseconds); }
 	bool receivePart(Part& part) { return receive(part); }
 	bool receiveFraction(double& fraction) { return receive(fraction); }
 	bool receiveFailure(std::string& sentence) { return receiveArray(sentence); }
@@ -45,25 +41,23 @@ public:
 	bool receiveSurface(TexturedMesh& textured);
 
 private:
-	bool sendBytes(const void* data, std::size_t size);
-	bool receiveBytes(void* data, std::size_t size);
 	template <class T> bool send(const T& value)
 	{
 		static_assert(std::is_trivially_copyable_v<T>);
-		return sendBytes(&value, sizeof value);
+		return m_end.send(&value, sizeof value);
 	}
 	template <class T> bool receive(T& value)
 	{
 		static_assert(std::is_trivially_copyable_v<T>);
-		return receiveBytes(&value, sizeof value);
+		return m_end.receive(&value, sizeof value);
 	}
 	template <class Array> bool sendArray(const Array& array)
 	{
-		return send(array.size()) && sendBytes(array.data(), array.size() * sizeof array[0]);
+		return send(array.size()) && m_end.send(array.data(), array.size() * sizeof array[0]);
 	}
 	/// Memory grows as bytes arrive, so that a wrong size takes no more of it than was sent.
 	template <class Array> bool receiveArray(Array& array);
 
-	int m_file;
+	PipeEnd& m_end;
 };
 }  // namespace ist

@@ -6,6 +6,7 @@
 #include "BulletISTCollision/Core/Import/Formats/XmlTags.h"
 #include "BulletISTCollision/Core/Import/Formats/ZipArchive.h"
 #include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
+#include "BulletISTCollision/Core/Platform/Utf8Path.h"
 
 #include <algorithm>
 #include <cctype>
@@ -110,8 +111,8 @@ Result<MeshFileHead> headOfArchive(const std::string& path, const ZipArchive& ar
 std::optional<std::string> contentOf(const std::string& path)
 {
 	std::error_code failure;
-	if (!std::filesystem::is_regular_file(path, failure)) return std::nullopt;
-	std::ifstream file(path, std::ios::binary);
+	if (!std::filesystem::is_regular_file(systemPath(path), failure)) return std::nullopt;
+	std::ifstream file(systemPath(path), std::ios::binary);
 	char head[4] = {};
 	file.read(head, sizeof head);
 	const std::string_view start(head, static_cast<size_t>(file.gcount()));
@@ -121,7 +122,7 @@ std::optional<std::string> contentOf(const std::string& path)
 	if (!isXml && !start.starts_with("PK") && ending != ".zae" && ending != ".obj" && ending != ".ply") return std::nullopt;
 	file.clear();
 	file.seekg(0);
-	std::string content(std::filesystem::file_size(path, failure), '\0');
+	std::string content(std::filesystem::file_size(systemPath(path), failure), '\0');
 	file.read(content.data(), static_cast<std::streamsize>(content.size()));
 	content.resize(static_cast<size_t>(file.gcount()));
 	return content;
@@ -152,7 +153,7 @@ Result<Scale> scaleOf(const std::string& path, const MeshFileUnit& file, const s
 
 std::string lengthWords(double metres) { return number(metres) + " m"; }
 
-std::string meshFileEnding(const std::string& path) { return plain(std::filesystem::path(path).extension().string()); }
+std::string meshFileEnding(const std::string& path) { return plain(utf8Path(systemPath(path).extension())); }
 
 Result<MeshFileHead> readMeshFileHead(const std::string& path)
 {

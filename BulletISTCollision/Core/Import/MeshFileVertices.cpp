@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Import/Formats/ObjForAssimp.h"
 #include "BulletISTCollision/Core/Import/MeshFileUnit.h"
 #include "BulletISTCollision/Core/Import/MeshImport.h"
+#include "BulletISTCollision/Core/Platform/Utf8Path.h"
 
 #include <fstream>
 #include <iterator>
@@ -19,7 +20,7 @@ Result<std::vector<Vec3>> importVertices(const std::string& path, std::optional<
 	if (meshFileEnding(path) != ".obj") return std::move(std::move(mesh).value().vertices);
 	const Result<MeshFileHead> head = readMeshFileHead(path);
 	if (!head) return head.error();
-	std::ifstream file(path, std::ios::binary);
+	std::ifstream file(systemPath(path), std::ios::binary);
 	std::vector<Vec3> vertices = objVertices(
 		head.value().content ? *head.value().content : std::string{std::istreambuf_iterator<char>(file), {}});
 	for (Vec3& v : vertices) v = mesh.value().unit * v;

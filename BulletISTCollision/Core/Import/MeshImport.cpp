@@ -8,6 +8,7 @@
 #include "BulletISTCollision/Core/Import/ImportChecks.h"
 #include "BulletISTCollision/Core/Import/MeshFileUnit.h"
 #include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
+#include "BulletISTCollision/Core/Platform/Utf8Path.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,10 +27,10 @@ namespace
 std::optional<Error> whyNoMeshFile(const std::string& path)
 {
 	std::error_code failure;
-	const std::filesystem::file_status status = std::filesystem::status(path, failure);
+	const std::filesystem::file_status status = std::filesystem::status(systemPath(path), failure);
 	if (!std::filesystem::exists(status)) return Error{"cannot read " + path + ": there is no such file; check the path"};
 	if (std::filesystem::is_directory(status)) return Error{"cannot read " + path + ": it is a folder; name a file in it"};
-	if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(path, failure) == 0 && !failure)
+	if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(systemPath(path), failure) == 0 && !failure)
 		return Error{"cannot read " + path + ": it is empty (0 bytes); export the mesh again"};
 	return std::nullopt;
 }
@@ -37,7 +38,7 @@ std::optional<Error> whyNoMeshFile(const std::string& path)
 /// Reads the bytes of a file in blocks.
 Result<std::string> bytesOf(const std::string& path, ImportProgress& importProgress)
 {
-	std::ifstream file(path, std::ios::binary | std::ios::ate);
+	std::ifstream file(systemPath(path), std::ios::binary | std::ios::ate);
 	if (!file) return Error{"cannot read " + path + ": it cannot be opened; check its permissions"};
 	const std::streamoff size = std::max<std::streamoff>(0, file.tellg());
 	file.seekg(0);

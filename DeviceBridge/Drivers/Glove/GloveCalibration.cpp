@@ -4,7 +4,7 @@
 #include "BulletISTCollision/Json/JsonValue.h"
 #include <cmath>
 
-#include "BulletISTCollision/Core/Asset/AtomicFile.h"
+#include "BulletISTCollision/Core/Platform/MappedFile.h"
 
 namespace devicebridge
 {

@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Drivers/Glove/GloveLink.h"
 
-#include <fcntl.h>
-#include <poll.h>
-#include <termios.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 
 #include "DeviceBridge/Timing/Clock.h"
 
@@ -23,35 +16,17 @@ constexpr std::int64_t kFirstFrame = 2'000'000'000;  // [ns]
 constexpr const char *kStop = "\x03", *kNoStatus = "u 0\r", *kStream = "S";
 }  // namespace
 
-bool GloveLink::configure() noexcept
-{
-	termios settings{};
-	if (tcgetattr(m_line, &settings) != 0) return false;
-	cfmakeraw(&settings);
-	settings.c_cflag |= CLOCAL | CREAD;
-	cfsetspeed(&settings, B115200);
-	return tcsetattr(m_line, TCSANOW, &settings) == 0;
-}
-
-bool GloveLink::say(const char* text) noexcept
-{
-	const auto size = static_cast<ssize_t>(std::strlen(text));
-	return write(m_line, text, static_cast<std::size_t>(size)) == size;
-}
-
 ist::Result<DeviceInfo> GloveLink::connect() noexcept
 {
 	const std::string& line = m_settings.line;
-	m_line = open(line.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-	if (m_line < 0) return ist::Error{"cannot open the serial line " + line + ": " + std::strerror(errno), false};
-	if (!configure()) return ist::Error{line + " is no serial line", false};
+	if (const std::string why = m_line.open(line); !why.empty()) return ist::Error{why, false};
 	RealClock clock;
-	say(kStop);
-	say(kNoStatus);
+	m_line.write(kStop);
+	m_line.write(kNoStatus);
 	clock.sleepUntil(clock.now() + kSettling);
-	tcflush(m_line, TCIFLUSH);
+	m_line.discardInput();
 	m_frames = GloveFrames(m_settings.sensors);
-	if (!say(kStream)) return ist::Error{"the serial line " + line + " does not take commands", false};
+	if (!m_line.write(kStream)) return ist::Error{"the serial line " + line + " does not take commands", false};
 	const std::int64_t deadline = clock.now() + kFirstFrame;
 	while (m_frames.sensors() == 0)
 	{
@@ -75,28 +50,23 @@ ist::Result<DeviceInfo> GloveLink::connect() noexcept
 
 void GloveLink::disconnect() noexcept
 {
-	if (m_line < 0) return;
-	say(kStop);
-	close(m_line);
-	m_line = -1;
+	if (!m_line.isOpen()) return;
+	m_line.write(kStop);
+	m_line.close();
 }
 
 /// Returns Sample if the bytes completed a frame.
 DeviceLink::Event GloveLink::takeBytes(int patience) noexcept
 {
-	pollfd wire{m_line, POLLIN, 0};
-	poll(&wire, 1, patience);
-	if (wire.revents == 0) return Event::Nothing;
 	std::uint8_t bytes[256];
-	const ssize_t n = read(m_line, bytes, sizeof bytes);
-	const bool later = n < 0 && (errno == EAGAIN || errno == EINTR);
-	if (!later && n <= 0)
+	const int n = m_line.read(bytes, sizeof bytes, patience);
+	if (n < 0)
 	{
 		m_complaint = "the serial line " + m_settings.line + " of the glove has hung up";
 		return Event::Lost;
 	}
 	bool found = false;
-	for (ssize_t i = 0; i < n; ++i) found |= m_frames.take(bytes[i]);
+	for (int i = 0; i < n; ++i) found |= m_frames.take(bytes[i]);
 	return found ? Event::Sample : Event::Nothing;
 }
 

@@ -6,6 +6,7 @@
 #include "DeviceBridge/Device/DeviceLink.h"
 #include "DeviceBridge/Drivers/Glove/GloveFrames.h"
 #include "DeviceBridge/Drivers/Glove/GloveHand.h"
+#include "DeviceBridge/Platform/SerialLine.h"
 
 namespace devicebridge
 {
@@ -42,13 +43,11 @@ public:
 	int sensors() const noexcept { return m_frames.sensors(); }
 
 private:
-	bool configure() noexcept;
-	bool say(const char* text) noexcept;
 	Event takeBytes(int patience) noexcept;
 
 	GloveSettings m_settings;
 	std::string m_uri, m_complaint;
 	GloveFrames m_frames;
-	int m_line = -1;
+	SerialLine m_line;
 };
 }  // namespace devicebridge

@@ -28,6 +28,18 @@ constexpr std::int64_t kConnecting = 3'000'000'000, kSending = 200'000'000, kAns
 constexpr std::int64_t kTurnSpan = 5'000'000;  // interval over which the angular velocity is estimated [ns]
 }  // namespace
 
+bool isHaplyListening(const HaplyAddress& address)
+{
+	Failure failure;
+	asio::io_context context;
+	tcp::resolver resolver(context);
+	const auto found = resolver.resolve(address.host, address.port, failure);
+	if (failure) return false;
+	tcp::socket socket(context);
+	asio::connect(socket, found, failure);
+	return !failure;
+}
+
 /// A connection in which every wait has a limit.
 class HaplyLink::Socket
 {

@@ -18,6 +18,9 @@ struct HaplyAddress
 	bool valuesForVector = false;  ///< whether the force vector is named "values", as in services before 3.5
 };
 
+/// Whether a program accepts connections at this address.
+bool isHaplyListening(const HaplyAddress& address);
+
 /// A device of the Haply Inverse service over WebSocket. The service answers each message with one state, and drops the force if no
 /// messages come. It has three forces, a position and, from a VerseGrip, an orientation. W is the basis of the service.
 class HaplyLink final : public DeviceLink

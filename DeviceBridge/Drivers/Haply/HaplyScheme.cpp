@@ -1,8 +1,4 @@
 // SPDX-License-Identifier: Zlib
-#include <netdb.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include "DeviceBridge/Device/DeviceAddress.h"
 #include "DeviceBridge/Device/ThreadedDevice.h"
 #include "DeviceBridge/Drivers/BuiltDrivers.h"
@@ -45,18 +41,7 @@ ist::Result<std::unique_ptr<Device>> makeHaply(const std::string& rest)
 std::string haplyMissing()
 {
 	const HaplyAddress usual;
-	addrinfo hints{}, *found = nullptr;
-	hints.ai_socktype = SOCK_STREAM;
-	bool there = false;
-	if (getaddrinfo(usual.host.c_str(), usual.port.c_str(), &hints, &found) != 0) found = nullptr;
-	for (const addrinfo* a = found; a && !there; a = a->ai_next)
-	{
-		const int probe = socket(a->ai_family, SOCK_STREAM | SOCK_CLOEXEC, 0);
-		there = probe >= 0 && connect(probe, a->ai_addr, a->ai_addrlen) == 0;
-		if (probe >= 0) close(probe);
-	}
-	if (found) freeaddrinfo(found);
-	return there
+	return isHaplyListening(usual)
 		? std::string()
 		: "nothing listens on " + usual.host + ":" + usual.port + "; install and start the Haply Inverse service, or name its host";
 }

@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Drivers/Plugin/PluginFile.h"
 
-#include <dlfcn.h>
-
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <set>
 #include <sstream>
+#include <type_traits>
+
+#include "BulletISTCollision/Core/Platform/Environment.h"
+#include "BulletISTCollision/Core/Platform/Utf8Path.h"
+#include "DeviceBridge/Platform/DynamicLibrary.h"
 
 namespace devicebridge
 {
 namespace
 {
-const std::string kPrefix = "libdevicebridge_", kSuffix = ".so";
+const std::string kPrefix = kLibraryPrefix + std::string("devicebridge_"), kSuffix = kLibraryEnding;
 
 bool isName(const std::string& text)
 {
@@ -27,7 +29,7 @@ std::string fileOf(const std::string& name)
 	{
 		std::string path = folder + "/" + kPrefix + name + kSuffix;
 		std::error_code failure;
-		if (std::filesystem::exists(path, failure)) return path;
+		if (std::filesystem::exists(ist::systemPath(path), failure)) return path;
 	}
 	return {};
 }
@@ -49,9 +51,8 @@ std::string flawOf(const devicebridge_plugin* plugin, const std::string& name)
 std::vector<std::string> pluginFolders()
 {
 	std::vector<std::string> folders;
-	const char* const path = std::getenv("DEVICEBRIDGE_PLUGIN_PATH");
-	std::istringstream parts(path ? path : "");
-	for (std::string folder; std::getline(parts, folder, ':');)
+	std::istringstream parts(ist::environmentValue("DEVICEBRIDGE_PLUGIN_PATH").value_or(""));
+	for (std::string folder; std::getline(parts, folder, kFolderSeparator);)
 		if (!folder.empty()) folders.push_back(folder);
 	folders.push_back(DEVICEBRIDGE_PLUGIN_FOLDER);
 	return folders;
@@ -63,9 +64,9 @@ std::vector<std::string> pluginNames()
 	for (const std::string& folder : pluginFolders())
 	{
 		std::error_code failure;
-		for (const auto& entry : std::filesystem::directory_iterator(folder, failure))
+		for (const auto& entry : std::filesystem::directory_iterator(ist::systemPath(folder), failure))
 		{
-			const std::string file = entry.path().filename().string();
+			const std::string file = ist::utf8Path(entry.path().filename());
 			if (file.size() <= kPrefix.size() + kSuffix.size() || file.compare(0, kPrefix.size(), kPrefix) != 0) continue;
 			if (entry.path().extension() != kSuffix) continue;
 			const std::string name = file.substr(kPrefix.size(), file.size() - kPrefix.size() - kSuffix.size());
@@ -85,9 +86,9 @@ ist::Result<const devicebridge_plugin*> loadPlugin(const std::string& name)
 		for (const std::string& folder : pluginFolders()) folders += (folders.empty() ? "" : ", ") + folder;
 		return ist::Error{"No " + kPrefix + name + kSuffix + " in " + folders + "; add its folder to DEVICEBRIDGE_PLUGIN_PATH", false};
 	}
-	void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-	if (!library) return ist::Error{"Cannot load " + file + ": " + dlerror(), false};
-	const auto entry = reinterpret_cast<devicebridge_plugin_entry_function>(dlsym(library, DEVICEBRIDGE_PLUGIN_ENTRY));
+	DynamicLibrary library;
+	if (!library.load(file, DynamicLibrary::Symbols::Own)) return ist::Error{"Cannot load " + file + ": " + library.why(), false};
+	const auto entry = library.find<std::remove_pointer_t<devicebridge_plugin_entry_function>>(DEVICEBRIDGE_PLUGIN_ENTRY);
 	if (!entry) return ist::Error{file + " is no plug-in: it has no " DEVICEBRIDGE_PLUGIN_ENTRY, false};
 	const devicebridge_plugin* const plugin = entry();
 	const std::string flaw = flawOf(plugin, name);

@@ -10,6 +10,7 @@
 #include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/Plugin/PluginFile.h"
 #include "DeviceBridge/Drivers/Plugin/PluginLink.h"
+#include "DeviceBridge/Platform/DynamicLibrary.h"
 
 namespace devicebridge
 {
@@ -43,7 +44,8 @@ std::string missingOf(const std::string& name, const std::string& builtWhen)
 std::string noPlugins()
 {
 	if (!pluginNames().empty()) return {};
-	return "no libdevicebridge_NAME.so in DEVICEBRIDGE_PLUGIN_PATH nor in the installation";
+	return std::string("no ") + kLibraryPrefix + "devicebridge_NAME" + kLibraryEnding +
+		" in DEVICEBRIDGE_PLUGIN_PATH nor in the installation";
 }
 
 void addNamed(DeviceRegistry& registry, const std::string& name, const std::string& what, const std::string& builtWhen = {})

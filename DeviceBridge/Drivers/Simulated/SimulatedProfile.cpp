@@ -6,6 +6,7 @@
 #include <iterator>
 #include <map>
 
+#include "BulletISTCollision/Core/Platform/Utf8Path.h"
 #include "BulletISTCollision/Json/JsonValue.h"
 #include "DeviceBridge/Drivers/Simulated/CarriedProfiles.h"
 
@@ -91,7 +92,7 @@ bool endsWith(const std::string& text, const std::string& end)
 
 ist::Result<SimulatedProfile> profileFromFile(const std::string& path)
 {
-	std::ifstream file(path, std::ios::binary);
+	std::ifstream file(ist::systemPath(path), std::ios::binary);
 	if (!file) return ist::Error{"Cannot read the device profile " + path, false};
 	const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
 	auto profile = parseSimulatedProfile(text);

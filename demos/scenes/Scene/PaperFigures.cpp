@@ -5,8 +5,8 @@
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "BulletISTCollision/Json/JsonValue.h"
 #include "DeviceBridge/Loop/SteppingThread.h"
+#include "DeviceBridge/Platform/RealTimePriority.h"
 #include "DeviceBridge/Timing/Clock.h"
-#include "DeviceBridge/Timing/RealTimePriority.h"
 #include "demos/scenes/Bodies/BodiesOnPlane.h"
 #include "demos/scenes/Scene/SceneReport.h"
 

@@ -8,6 +8,7 @@
 #include "BulletISTCollision/Core/Tree/TreeLevels.h"
 #include "tests/unit/Core/Accuracy/LevelledClouds.h"
 #include "tests/unit/CountingAllocator.h"
+#include "tests/unit/TestEnvironment.h"
 
 #include <gtest/gtest.h>
 

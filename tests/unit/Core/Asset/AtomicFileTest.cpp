@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Asset/AtomicFile.h"
 
+#include "BulletISTCollision/Core/Platform/MappedFile.h"
+#include "BulletISTCollision/Core/Platform/Utf8Path.h"
+
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -12,16 +15,24 @@
 #include <string>
 #include <thread>
 
+#if !defined(_WIN32)
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#endif
 #include <unistd.h>
 
 namespace ist
 {
 namespace
 {
+#if defined(_WIN32)
+constexpr const char* kNoDevice = "NUL";
+#else
+constexpr const char* kNoDevice = "/dev/null";
+#endif
+
 /// Gives each test its own folder and removes it afterwards.
 class AtomicFile : public testing::Test
 {
@@ -70,6 +81,113 @@ TEST_F(AtomicFile, AnEmptyFileIsReadAsNoBytes)
 	EXPECT_EQ(mapped.value().size(), 0u);
 }
 
+TEST_F(AtomicFile, AFileWithoutANameIsRefused)
+{
+	EXPECT_TRUE(whyNotWritable(""));
+	const Result<size_t> written = write("", "text");
+	ASSERT_FALSE(written);
+	EXPECT_NE(written.error().message.find("no name"), std::string::npos);
+}
+
+TEST_F(AtomicFile, AnUnwritablePathIsSaidAndLeavesNothing)
+{
+	const Result<size_t> missing = write(at("none/file"), "text");
+	ASSERT_FALSE(missing);
+	EXPECT_NE(missing.error().message.find("none/file"), std::string::npos);
+	std::filesystem::create_directory(at("folder"));
+	const Result<size_t> folder = write(at("folder"), "text");
+	ASSERT_FALSE(folder);
+	EXPECT_NE(folder.error().message.find("directory"), std::string::npos);
+	EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(AtomicFile, WhatCannotBeWrittenIsSaidBeforehandAsAfterwards)
+{
+	std::filesystem::create_directory(at("folder"));
+	ASSERT_TRUE(write(at("there"), "old"));
+	for (const char* name : {"none/file", "folder"})
+	{
+		const std::optional<Error> obstacle = whyNotWritable(at(name));
+		ASSERT_TRUE(obstacle) << name;
+		EXPECT_EQ(obstacle->message, write(at(name), "text").error().message);
+	}
+	for (const char* name : {"new", "there"}) EXPECT_FALSE(whyNotWritable(at(name))) << name;
+	EXPECT_FALSE(whyNotWritable(kNoDevice));
+	EXPECT_EQ(content(at("there")), "old");
+	EXPECT_EQ(entries(), 2);
+}
+
+TEST_F(AtomicFile, ThreadsThatWriteTheSameFileDoNotMixTheirBytes)
+{
+	const auto writeOften = [this](char letter) {
+		for (int i = 0; i < 20; ++i)
+		{
+			const Result<size_t> written = write(at("a"), std::string(100'000, letter));
+			EXPECT_TRUE(written);
+			const std::string there = content(at("a"));
+			EXPECT_EQ(there, std::string(100'000, there.empty() ? ' ' : there[0]));
+		}
+	};
+	std::thread other(writeOften, 'b');
+	writeOften('a');
+	other.join();
+	EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(AtomicFile, CancellingKeepsTheOldFile)
+{
+	ASSERT_TRUE(write(at("a"), "old"));
+	for (double stopAt : {0.0, 0.5, 1.0})
+	{
+		double last = -1;
+		const Result<size_t> cancelled = write(at("a"), std::string(20'000'000, 'x'), [&](const char* stage, double fraction) {
+			EXPECT_STREQ(stage, "write");
+			EXPECT_GE(fraction, last);
+			last = fraction;
+			return fraction < stopAt;
+		});
+		ASSERT_FALSE(cancelled);
+		EXPECT_TRUE(cancelled.error().cancelled);
+		EXPECT_GE(last, stopAt);
+		EXPECT_EQ(content(at("a")), "old");
+		EXPECT_EQ(entries(), 1);
+	}
+}
+
+TEST_F(AtomicFile, WhatIsWrittenToTheNullDeviceIsGone)
+{
+	EXPECT_TRUE(write(kNoDevice, "text"));
+	EXPECT_EQ(entries(), 0);
+	EXPECT_FALSE(isSameFile(kNoDevice, kNoDevice));
+}
+
+TEST_F(AtomicFile, AMappedFileIsReplacedAndItsBytesStay)
+{
+	ASSERT_TRUE(write(at("a"), "old"));
+	const Result<MappedFile> mapped = MappedFile::open(at("a"));
+	ASSERT_TRUE(mapped) << mapped.error().message;
+	const Result<size_t> written = write(at("a"), "new");
+	ASSERT_TRUE(written) << written.error().message;
+	EXPECT_EQ(std::string(reinterpret_cast<const char*>(mapped.value().bytes()), mapped.value().size()), "old");
+	EXPECT_EQ(content(at("a")), "new");
+	EXPECT_EQ(entries(), 1);
+}
+
+TEST_F(AtomicFile, NamesAreUtf8)
+{
+	const std::string name = utf8Path(m_folder) +
+		"/K\xC3\xB6rper_\xE7\x90\x83.ist";  // an umlaut, and a letter that no code page of Europe has
+	ASSERT_TRUE(write(name, "text"));
+	const Result<MappedFile> mapped = MappedFile::open(name);
+	ASSERT_TRUE(mapped) << mapped.error().message;
+	EXPECT_EQ(mapped.value().size(), 4u);
+	EXPECT_TRUE(std::filesystem::exists(systemPath(name)));
+	EXPECT_EQ(utf8Path(systemPath(name)), name);
+	EXPECT_EQ(entries(), 1);
+}
+
+// Links, access rights, devices, pipes and limits of POSIX.
+#if !defined(_WIN32)
 TEST_F(AtomicFile, ALinkStaysALink)
 {
 	ASSERT_TRUE(write(at("target"), "old"));
@@ -156,14 +274,6 @@ TEST_F(AtomicFile, OneFileIsKnownByAllOfItsNames)
 	EXPECT_FALSE(isSameFile("/dev/null", "/dev/null"));
 }
 
-TEST_F(AtomicFile, AFileWithoutANameIsRefused)
-{
-	EXPECT_TRUE(whyNotWritable(""));
-	const Result<size_t> written = write("", "text");
-	ASSERT_FALSE(written);
-	EXPECT_NE(written.error().message.find("no name"), std::string::npos);
-}
-
 TEST_F(AtomicFile, ADeviceIsWrittenInPlaceAndAFullOneIsSaid)
 {
 	if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
@@ -173,34 +283,6 @@ TEST_F(AtomicFile, ADeviceIsWrittenInPlaceAndAFullOneIsSaid)
 	EXPECT_NE(full.error().message.find("No space left"), std::string::npos);
 	EXPECT_TRUE(write("/dev/null", "text"));
 	EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
-}
-
-TEST_F(AtomicFile, AnUnwritablePathIsSaidAndLeavesNothing)
-{
-	const Result<size_t> missing = write(at("none/file"), "text");
-	ASSERT_FALSE(missing);
-	EXPECT_NE(missing.error().message.find("none/file"), std::string::npos);
-	std::filesystem::create_directory(at("folder"));
-	const Result<size_t> folder = write(at("folder"), "text");
-	ASSERT_FALSE(folder);
-	EXPECT_NE(folder.error().message.find("directory"), std::string::npos);
-	EXPECT_EQ(entries(), 1);
-}
-
-TEST_F(AtomicFile, WhatCannotBeWrittenIsSaidBeforehandAsAfterwards)
-{
-	std::filesystem::create_directory(at("folder"));
-	ASSERT_TRUE(write(at("there"), "old"));
-	for (const char* name : {"none/file", "folder"})
-	{
-		const std::optional<Error> obstacle = whyNotWritable(at(name));
-		ASSERT_TRUE(obstacle) << name;
-		EXPECT_EQ(obstacle->message, write(at(name), "text").error().message);
-	}
-	for (const char* name : {"new", "there"}) EXPECT_FALSE(whyNotWritable(at(name))) << name;
-	EXPECT_FALSE(whyNotWritable("/dev/null"));
-	EXPECT_EQ(content(at("there")), "old");
-	EXPECT_EQ(entries(), 2);
 }
 
 TEST_F(AtomicFile, AskingWhetherAPipeIsWritableDoesNotEndItsReading)
@@ -232,43 +314,6 @@ TEST_F(AtomicFile, APipeIsRefusedAtOnce)
 	reader.join();
 	if (writer >= 0) ::close(writer);
 	EXPECT_NE(refusal.find("is not a file"), std::string::npos) << refusal;
-}
-
-TEST_F(AtomicFile, ThreadsThatWriteTheSameFileDoNotMixTheirBytes)
-{
-	const auto writeOften = [this](char letter) {
-		for (int i = 0; i < 20; ++i)
-		{
-			const Result<size_t> written = write(at("a"), std::string(100'000, letter));
-			EXPECT_TRUE(written);
-			const std::string there = content(at("a"));
-			EXPECT_EQ(there, std::string(100'000, there.empty() ? ' ' : there[0]));
-		}
-	};
-	std::thread other(writeOften, 'b');
-	writeOften('a');
-	other.join();
-	EXPECT_EQ(entries(), 1);
-}
-
-TEST_F(AtomicFile, CancellingKeepsTheOldFile)
-{
-	ASSERT_TRUE(write(at("a"), "old"));
-	for (double stopAt : {0.0, 0.5, 1.0})
-	{
-		double last = -1;
-		const Result<size_t> cancelled = write(at("a"), std::string(20'000'000, 'x'), [&](const char* stage, double fraction) {
-			EXPECT_STREQ(stage, "write");
-			EXPECT_GE(fraction, last);
-			last = fraction;
-			return fraction < stopAt;
-		});
-		ASSERT_FALSE(cancelled);
-		EXPECT_TRUE(cancelled.error().cancelled);
-		EXPECT_GE(last, stopAt);
-		EXPECT_EQ(content(at("a")), "old");
-		EXPECT_EQ(entries(), 1);
-	}
 }
 
 // A limit on the file size stands for a full disk: it cuts a write in the middle.
@@ -316,5 +361,6 @@ TEST_F(AtomicFile, AMappedPartThatWasPopulatedIsReadWithoutAFault)
 	EXPECT_EQ(same, (text.size() - 1) / page);
 }
 #endif
+#endif  // POSIX
 }  // namespace
 }  // namespace ist

@@ -6,6 +6,7 @@
 #include "BulletISTCollision/Core/Tuning/ExpectedError.h"
 #include "BulletISTCollision/Core/Tuning/TuneSettings.h"
 #include "tests/unit/Core/Mesh/RandomShapes.h"
+#include "tests/unit/TestEnvironment.h"
 
 #include <gtest/gtest.h>
 

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: Zlib
 // bullethaptics-import with a reader that does what the first word of the file says, as damaged files make assimp do.
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Core/Platform/PipeEnd.h"
 #include "BulletISTCollision/Importer/Importer.h"
 
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <memory>
 #include <stdexcept>
+#include <thread>
 #include <vector>
-
-#include <unistd.h>
 
 using namespace ist;
 
@@ -24,7 +25,9 @@ template <class... Numbers> [[noreturn]] void answerBy(Numbers... numbers)
 	std::string bytes;
 	const auto append = [&](const auto& number) { bytes.append(reinterpret_cast<const char*>(&number), sizeof number); };
 	(append(numbers), ...);
-	_exit(::write(STDOUT_FILENO, bytes.data(), bytes.size()) == ssize_t(bytes.size()) ? 0 : 1);
+	PipeEnd output;
+	output.useStandardOutput();
+	std::_Exit(output.send(bytes.data(), bytes.size()) ? 0 : 1);
 }
 
 Result<TexturedMesh> misread(const std::string& path, std::optional<double>, Wanted, const Progress&)
@@ -37,7 +40,7 @@ Result<TexturedMesh> misread(const std::string& path, std::optional<double>, Wan
 	if (word == "loop")
 		for (std::atomic<int> i = 0;; ++i)
 		{}
-	if (word == "sleep") ::sleep(600);
+	if (word == "sleep") std::this_thread::sleep_for(std::chrono::minutes(10));
 	if (word == "memory")
 		for (std::vector<std::unique_ptr<char[]>> all;;) all.emplace_back(new char[std::size_t(1) << 28]);
 	constexpr char kFailure = 1, kSurface = 2, kUnknown = 7;

@@ -4,11 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <thread>
 
 #include "DeviceBridge/Coupling/DeviceGains.h"
 #include "DeviceBridge/Loop/SteppingThread.h"
+#include "tests/unit/TestEnvironment.h"
 
 namespace devicebridge
 {

@@ -10,7 +10,9 @@
 #include "DeviceBridge/Drivers/Glove/GloveFrames.h"
 #include "DeviceBridge/Drivers/Glove/GloveHand.h"
 #include "tests/unit/DeviceBridge/Drivers/DriverRun.h"
+#if !defined(_WIN32)
 #include "tests/unit/DeviceBridge/Drivers/PseudoTerminal.h"
+#endif
 
 using namespace devicebridge;
 
@@ -33,6 +35,7 @@ GloveAngles randomAngles(std::mt19937_64& random)
 constexpr int kFirstJoints[4] = {kIndexMetacarpal, kMiddleMetacarpal, kRingMetacarpal, kLittleMetacarpal};
 constexpr int kKnuckles[4] = {kIndexKnuckle, kMiddleKnuckle, kRingKnuckle, kLittleKnuckle};
 
+#if !defined(_WIN32)
 /// A glove that sends `values` until the test changes them.
 class Glove
 {
@@ -87,6 +90,7 @@ private:
 	std::atomic<bool> m_ending{false};
 	std::thread m_thread;
 };
+#endif
 
 GloveValues randomValues(std::mt19937_64& random)
 {
@@ -288,6 +292,8 @@ TEST(GloveCalibration, RefusesFilesThatAreNone)
 	}
 }
 
+// A serial line without a device behind it, as POSIX has them.
+#if !defined(_WIN32)
 TEST(Glove, JointsOfBothKindsArriveFromTheSerialLine)
 {
 	const std::string file = std::filesystem::temp_directory_path() / ("glove" + std::to_string(getpid()) + ".json");
@@ -370,3 +376,4 @@ TEST(Glove, RefusesWhatIsNoneInASentence)
 		EXPECT_NE(device.error().message.find(word), std::string::npos) << device.error().message;
 	}
 }
+#endif

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Zlib
 // The tests run against a service of their own on the loopback that speaks the documented protocol: the inventory first, then one state for
 // each message. Keys are as in docs.haply.co (Inverse service 3.5) and in se3_haply.py of github.com/isaac-sim/IsaacLab.
-#include <sys/socket.h>
-
 #include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
@@ -61,7 +59,8 @@ public:
 	void hangUp()
 	{
 		const std::lock_guard<std::mutex> lock(m_mutex);
-		if (m_wire >= 0) ::shutdown(m_wire, SHUT_RDWR);
+		boost::system::error_code ignored;
+		if (m_wire) m_wire->shutdown(tcp::socket::shutdown_both, ignored);
 	}
 	void place(const ist::Vec3& p, const ist::Vec3& v, const ist::Quaternion& q, unsigned buttons)
 	{
@@ -123,14 +122,14 @@ private:
 			boost::system::error_code failure;
 			m_acceptor.accept(socket, failure);
 			if (failure || m_ending) return;
-			setWire(socket.native_handle());
+			setWire(&socket);
 			talk(socket);
-			setWire(-1);
+			setWire(nullptr);
 			const std::lock_guard<std::mutex> lock(m_mutex);
 			m_force = {};  // the service drops the force of a client that has gone
 		}
 	}
-	void setWire(int wire)
+	void setWire(tcp::socket* wire)
 	{
 		const std::lock_guard<std::mutex> lock(m_mutex);
 		m_wire = wire;
@@ -159,7 +158,7 @@ private:
 	asio::io_context m_context;
 	tcp::acceptor m_acceptor;
 	std::mutex m_mutex;
-	int m_wire = -1;
+	tcp::socket* m_wire = nullptr;
 	ist::Vec3 m_position{0.01, 0.02, 0.03}, m_velocity, m_force;
 	ist::Quaternion m_orientation;
 	unsigned m_buttons = 0;

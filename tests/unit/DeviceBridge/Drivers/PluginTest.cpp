@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Zlib
-#include <dlfcn.h>
-
-#include <cstdlib>
+#include <string>
 
 #include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/Plugin/PluginFile.h"
+#include "DeviceBridge/Platform/DynamicLibrary.h"
 #include "tests/unit/DeviceBridge/Drivers/DriverRun.h"
 
 using namespace devicebridge;
@@ -16,9 +15,12 @@ class Plugin : public testing::Test
 protected:
 	void SetUp() override
 	{
-		setenv("DEVICEBRIDGE_PLUGIN_PATH", "/nowhere:" TEST_PLUGIN_FOLDER, 1);
-		m_library = dlopen(TEST_PLUGIN_FOLDER "/libdevicebridge_example.so", RTLD_NOW);
-		ASSERT_NE(m_library, nullptr) << dlerror();
+		std::string folders = "/nowhere", file = TEST_PLUGIN_FOLDER;
+		folders += kFolderSeparator;
+		folders += TEST_PLUGIN_FOLDER;
+		file += std::string("/") + kLibraryPrefix + "devicebridge_example" + kLibraryEnding;
+		setenv("DEVICEBRIDGE_PLUGIN_PATH", folders.c_str(), 1);
+		ASSERT_TRUE(m_library.load(file, DynamicLibrary::Symbols::Own)) << m_library.why();
 		setPulled(0);
 	}
 	void TearDown() override
@@ -26,17 +28,17 @@ protected:
 		setPulled(0);
 		unsetenv("DEVICEBRIDGE_PLUGIN_PATH");
 	}
-	void setPulled(int pulled) { __atomic_store_n(static_cast<int*>(dlsym(m_library, "example_pulled")), pulled, __ATOMIC_SEQ_CST); }
-	int openDevices() { return __atomic_load_n(static_cast<int*>(dlsym(m_library, "example_open_devices")), __ATOMIC_SEQ_CST); }
+	void setPulled(int pulled) { __atomic_store_n(m_library.find<int>("example_pulled"), pulled, __ATOMIC_SEQ_CST); }
+	int openDevices() { return __atomic_load_n(m_library.find<int>("example_open_devices"), __ATOMIC_SEQ_CST); }
 	double lastForce()
 	{
 		double force = 0;
-		__atomic_load(static_cast<double*>(dlsym(m_library, "example_last_force")), &force, __ATOMIC_SEQ_CST);
+		__atomic_load(m_library.find<double>("example_last_force"), &force, __ATOMIC_SEQ_CST);
 		return force;
 	}
 
 private:
-	void* m_library = nullptr;
+	DynamicLibrary m_library;
 };
 }  // namespace
 

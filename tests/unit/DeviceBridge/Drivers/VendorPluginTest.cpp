@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Zlib
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <random>
+#include <string>
 #include <thread>
 
 #include "DeviceBridge/Drivers/DeviceRegistry.h"
+#include "DeviceBridge/Platform/DynamicLibrary.h"
 #include "tests/unit/DeviceBridge/Drivers/DriverRun.h"
 #include "tests/unit/DeviceBridge/vendors/MockHandle.h"
 
@@ -17,6 +16,24 @@ using namespace devicebridge;
 
 namespace
 {
+#if defined(_WIN32)
+#define MOCK(name) "mock_" name ".dll"
+#define SHIPPED(posix, windows) windows
+#define FOLDERS(first, second) first ";" second
+#else
+#define MOCK(name) "libmock_" name ".so"
+#define SHIPPED(posix, windows) posix
+#define FOLDERS(first, second) first ":" second
+#endif
+
+/// A library in which a test finds what belongs to the mock.
+DynamicLibrary loaded(const std::string& file)
+{
+	DynamicLibrary library;
+	EXPECT_TRUE(library.load(file, DynamicLibrary::Symbols::Own)) << library.why();
+	return library;
+}
+
 struct Vendor
 {
 	const char *name, *variable, *shipped, *file, *uri, *wrongUri, *error;
@@ -25,15 +42,15 @@ struct Vendor
 };
 void PrintTo(const Vendor& vendor, std::ostream* out) { *out << vendor.name; }
 
-const Vendor kVendors[] = {{"chai3d", nullptr, nullptr, TEST_VENDOR_FOLDER "/libmock_chai3d.so", "chai3d:0", "chai3d:1", "CHAI3D has lost",
+const Vendor kVendors[] = {{"chai3d", nullptr, nullptr, TEST_VENDOR_FOLDER "/" MOCK("chai3d"), "chai3d:0", "chai3d:1", "CHAI3D has lost",
 							   12, 0.1, 5000, false, false},
-	{"dhd", "DEVICEBRIDGE_DHD_LIBRARY", "libdhd.so", TEST_VENDOR_FOLDER "/libmock_dhd.so", "dhd:0", "dhd:1", "communication error", 12, 0.2,
-		4000, true, false},
-	{"hd", "DEVICEBRIDGE_HD_LIBRARY", "libHD.so", TEST_VENDOR_FOLDER "/libmock_hd.so", "hd:Right Device", "hd:Left Device",
+	{"dhd", "DEVICEBRIDGE_DHD_LIBRARY", SHIPPED("libdhd.so", "dhd64.dll"), TEST_VENDOR_FOLDER "/" MOCK("dhd"), "dhd:0", "dhd:1",
+		"communication error", 12, 0.2, 4000, true, false},
+	{"hd", "DEVICEBRIDGE_HD_LIBRARY", SHIPPED("libHD.so", "HD.dll"), TEST_VENDOR_FOLDER "/" MOCK("hd"), "hd:Right Device", "hd:Left Device",
 		"device communication error", 3.3, 0, 500, true, false},
-	{"virtuose", "DEVICEBRIDGE_VIRTUOSE_LIBRARY", "virtuoseAPI.so", TEST_VENDOR_FOLDER "/libmock_virtuose.so",
+	{"virtuose", "DEVICEBRIDGE_VIRTUOSE_LIBRARY", SHIPPED("virtuoseAPI.so", "virtuoseAPI.dll"), TEST_VENDOR_FOLDER "/" MOCK("virtuose"),
 		"virtuose:arm.local?peak_force=30&peak_torque=3", "virtuose:nobody", "communication failure", 30, 3, 700, true, true},
-	{"vrpn", nullptr, nullptr, TEST_VENDOR_FOLDER "/libmock_vrpn.so", "vrpn://lab:3883/Tool0?peak_force=5&sensor=2&stiffness=300",
+	{"vrpn", nullptr, nullptr, TEST_VENDOR_FOLDER "/" MOCK("vrpn"), "vrpn://lab:3883/Tool0?peak_force=5&sensor=2&stiffness=300",
 		"vrpn://lab:3883/Tool9?sensor=2", "closed the connection", 5, 0, 300, false, false}};
 
 std::vector<Vendor> vendorsWithSwitches()
@@ -45,7 +62,7 @@ std::vector<Vendor> vendorsWithSwitches()
 }
 
 // Plug-ins built against the mocks come before those built against the real library.
-constexpr const char* kPlugins = TEST_VENDOR_FOLDER ":" PLUGIN_FOLDER;
+constexpr const char* kPlugins = FOLDERS(TEST_VENDOR_FOLDER, PLUGIN_FOLDER);
 
 class VendorPlugin : public testing::TestWithParam<Vendor>
 {
@@ -54,9 +71,9 @@ protected:
 	{
 		setenv("DEVICEBRIDGE_PLUGIN_PATH", kPlugins, 1);
 		if (GetParam().variable) setenv(GetParam().variable, GetParam().file, 1);
-		void* const library = dlopen(GetParam().file, RTLD_NOW);
-		ASSERT_NE(library, nullptr) << dlerror();
-		m_mock = reinterpret_cast<MockHandle* (*)()>(dlsym(library, "mockHandle"))();
+		const DynamicLibrary library = loaded(GetParam().file);
+		ASSERT_TRUE(library.isLoaded());
+		m_mock = library.find<MockHandle*()>("mockHandle")();
 		change([](MockHandle& m) {
 			m.present = m.calibrated = m.motorsOn = m.handPresent = true, m.misuse = 0;
 			// A handle that reports a velocity and repeats its pose counts as frozen after 10 ms.
@@ -242,7 +259,7 @@ TEST_P(VendorPlugin, WhatIsMissingIsSaid)
 		listed |= driver.scheme == GetParam().name && driver.missing.find("/nowhere/libnothing.so") != std::string::npos;
 	EXPECT_TRUE(listed);
 	// The file is another library.
-	setenv(GetParam().variable, TEST_VENDOR_FOLDER "/libmock_empty.so", 1);
+	setenv(GetParam().variable, TEST_VENDOR_FOLDER "/" MOCK("empty"), 1);
 	const auto other = registry.open(GetParam().uri);
 	ASSERT_FALSE(other);
 	EXPECT_NE(other.error().message.find("lacks the function"), std::string::npos) << other.error().message;
@@ -271,9 +288,9 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(VrpnPlugin, AVelocityThatTheServerDoesNotTellComesFromThePositions)
 {
 	setenv("DEVICEBRIDGE_PLUGIN_PATH", kPlugins, 1);
-	void* const library = dlopen(TEST_VENDOR_FOLDER "/libmock_vrpn.so", RTLD_NOW);
-	ASSERT_NE(library, nullptr) << dlerror();
-	MockHandle& mock = *reinterpret_cast<MockHandle* (*)()>(dlsym(library, "mockHandle"))();
+	const DynamicLibrary library = loaded(TEST_VENDOR_FOLDER "/" MOCK("vrpn"));
+	ASSERT_TRUE(library.isLoaded());
+	MockHandle& mock = *library.find<MockHandle*()>("mockHandle")();
 	{
 		const std::lock_guard<std::mutex> lock(mock.mutex);
 		mock.present = true, mock.tellsVelocity = false;
@@ -299,9 +316,9 @@ TEST(VrpnPlugin, AVelocityThatTheServerDoesNotTellComesFromThePositions)
 TEST(VrpnPlugin, AReportThatIsNotFiniteIsPassedOver)
 {
 	setenv("DEVICEBRIDGE_PLUGIN_PATH", kPlugins, 1);
-	void* const library = dlopen(TEST_VENDOR_FOLDER "/libmock_vrpn.so", RTLD_NOW);
-	ASSERT_NE(library, nullptr) << dlerror();
-	MockHandle& mock = *reinterpret_cast<MockHandle* (*)()>(dlsym(library, "mockHandle"))();
+	const DynamicLibrary library = loaded(TEST_VENDOR_FOLDER "/" MOCK("vrpn"));
+	ASSERT_TRUE(library.isLoaded());
+	MockHandle& mock = *library.find<MockHandle*()>("mockHandle")();
 	const auto change = [&](auto&& c) {
 		const std::lock_guard<std::mutex> lock(mock.mutex);
 		c();

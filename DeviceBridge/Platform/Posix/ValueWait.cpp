@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Zlib
+#include "DeviceBridge/Platform/ValueWait.h"
+
+#if defined(__linux__)
+#include <linux/futex.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+#endif
+
+namespace devicebridge
+{
+void sleepWhile(std::atomic<std::uint32_t>& value, std::uint32_t seen) noexcept
+{
+#if defined(__linux__)
+	static_assert(sizeof(value) == sizeof(std::uint32_t) && std::atomic<std::uint32_t>::is_always_lock_free);
+	syscall(SYS_futex, reinterpret_cast<std::uint32_t*>(&value), FUTEX_WAIT_PRIVATE, seen, nullptr, nullptr, 0);
+#else
+	value.wait(seen, std::memory_order_acquire);
+#endif
+}
+
+void wakeOne(std::atomic<std::uint32_t>& value) noexcept
+{
+#if defined(__linux__)
+	syscall(SYS_futex, reinterpret_cast<std::uint32_t*>(&value), FUTEX_WAKE_PRIVATE, 1, nullptr, nullptr, 0);
+#else
+	value.notify_one();
+#endif
+}
+}  // namespace devicebridge
