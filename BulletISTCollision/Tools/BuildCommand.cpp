@@ -22,7 +22,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace ist::tools
 {
@@ -81,6 +83,14 @@ BuildOptions buildOptions(const BuildArguments& a, double unit, const Progress& 
 /// Shares of the volume that repair guessed: said from the first on, and refused from the second on.
 constexpr double kSaidDoubt = 0.05, kMostDoubt = 0.5;
 
+/// Sentences in one line, each after a blank.
+std::string allOf(const std::vector<std::string>& sentences)
+{
+	std::string all;
+	for (const std::string& sentence : sentences) all += " " + sentence;
+	return all;
+}
+
 /// Warns with one line on stderr, in place of the report, if the packed body differs from what the file described, or may differ. Users
 /// search the logs of build farms for such lines.
 void warnOfRepair(const std::string& path, const Mesh& mesh, const InnerSphereTree& tree, double doubt)
@@ -91,9 +101,7 @@ void warnOfRepair(const std::string& path, const Mesh& mesh, const InnerSphereTr
 	if (std::isfinite(change)) std::snprintf(text, sizeof text, ", volume %+.3g %%", 100 * change);
 	std::string line = "warning: " + path + ": repaired" + text;
 	if (doubt > kSaidDoubt) line += ", " + ist::number(std::ceil(100 * doubt)) + " % of the volume is in doubt";
-	line += ":";
-	for (const std::string& action : tree.provenance.repair) line += " " + action;
-	fail(line, kGood);
+	fail(line + ":" + allOf(tree.provenance.repair), kGood);
 }
 
 double shareInDoubt(const RepairedMesh& repaired) { return repaired.volumeDoubt / repaired.volumeAfter; }
@@ -129,14 +137,20 @@ int runBuild(const BuildArguments& a)
 	BuildTimes times;
 	const BuildOptions options = buildOptions(a, mesh.value().unit, progress);
 	const auto repairStart = seconds();
-	const Result<RepairedMesh> repaired = repairToBuild(mesh.value(), options);
+	Result<RepairedMesh> repaired = repairToBuild(mesh.value(), options);
+	// The asset keeps this sentence, so that `ist info` says it, too.
+	if (const auto axes = upAxes(a.up); repaired && axes && (axes->from.axis != axes->to.axis || axes->from.sign != axes->to.sign))
+		repaired.value().actions.insert(repaired.value().actions.begin(),
+			"Turned the axes: " + axisName(axes->from) + " of the file became " + axisName(axes->to) + ".");
 	const double repairSeconds = seconds() - repairStart;
 	// With --repair wrap the doubt comes from the cells of the grid alone, which the user asked for.
 	if (repaired && shareInDoubt(repaired.value()) > kMostDoubt && !a.acceptDoubt && options.repair != RepairMode::Wrap)
 	{
 		end(false);
-		return fail(a.mesh + ": " + doubtWords(repaired.value()) + "; close the mesh in a modelling program, or build it all the same " +
-			"(--accept-doubt)" + groundAdvice(mesh.value()));
+		return fail(a.mesh + ": " + doubtWords(repaired.value()) +
+			"; close the mesh in a modelling program, rebuild it on a grid (--repair wrap), which takes what it surrounds for the body, or "
+			"build it all the same (--accept-doubt)" +
+			groundAdvice(mesh.value()) + ". The repair did this:" + allOf(repaired.value().actions));
 	}
 	const Result<InnerSphereTree> tree = !repaired ? Result<InnerSphereTree>(repaired.error())
 		: a.error > 0                              ? buildRepairedToError(mesh.value(), repaired.value(), a.error, options, &times)

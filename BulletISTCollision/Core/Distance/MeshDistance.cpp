@@ -23,16 +23,43 @@ constexpr double kFarRadii = 5;
 using Nearest = WideTriangleBvh::Nearest;
 using Child = TriangleHierarchy::Child;
 
-/// Solid angle of a triangle seen from `p`, positive from behind (van Oosterom and Strackee 1983).
-double solidAngle(const PreparedTriangle& t, const Vec3& p)
+/// Sum of the solid angles of triangles seen from a point, positive from behind. It needs one arc tangent for all of them: the tangents of
+/// half the angles (van Oosterom and Strackee 1983) are those of complex numbers, and these are multiplied.
+class SolidAngles
 {
-	const Vec3 a = t.a - p, b = a + t.ab, c = a + t.ac;
-	const double la = norm(a), lb = norm(b), lc = norm(c);
-	// a . (ab x ac) equals a . (b x c) and loses fewer digits far from the triangle.
-	const double numerator = dot(a, t.normal);
-	if (numerator == 0) return 0;
-	return 2 * std::atan2(numerator, la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
-}
+public:
+	void add(const PreparedTriangle& t, const Vec3& p)
+	{
+		const Vec3 a = t.a - p, b = a + t.ab, c = a + t.ac;
+		const double la = norm(a), lb = norm(b), lc = norm(c);
+		// a . (ab x ac) equals a . (b x c) and loses fewer digits far from the triangle.
+		const double numerator = dot(a, t.normal);
+		if (numerator != 0) multiply(la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb, numerator);
+	}
+	/// To be called after a few triangles, so that the product stays in the range of numbers.
+	void rescale()
+	{
+		const double size = std::fabs(m_re) + std::fabs(m_im);
+		if (!(size > 0)) return;
+		m_re /= size;
+		m_im /= size;
+	}
+	double sum() const { return 2 * (std::atan2(m_im + 0.0, m_re) + 2 * std::numbers::pi * double(m_turns)); }
+
+private:
+	/// `im` is not 0.
+	void multiply(double re, double im)
+	{
+		const double newRe = m_re * re - m_im * im, newIm = m_re * im + m_im * re;
+		// The sum of two angles of one sign has passed a half turn if the sign of its sine is the other one.
+		if (m_im >= 0 && im > 0 && newIm < 0) ++m_turns;
+		if (m_im < 0 && im < 0 && (newIm > 0 || (newIm == 0 && newRe < 0))) --m_turns;
+		m_re = newRe;
+		m_im = newIm;
+	}
+	double m_re = 1, m_im = 0;
+	int64_t m_turns = 0;
+};
 
 struct Cluster
 {
@@ -140,6 +167,7 @@ double MeshDistance::Implementation::winding(const Vec3& p, double farRadii) con
 	if (hierarchy.triangles.empty()) return 0;
 	const double far2 = farRadii * farRadii;
 	double sum = 0;
+	SolidAngles near;
 	std::pair<const Child*, const Cluster*> stack[TriangleHierarchy::kMostLevels + 2];
 	int top = 0;
 	stack[top++] = {&hierarchy.root, &rootCluster};
@@ -150,11 +178,14 @@ double MeshDistance::Implementation::winding(const Vec3& p, double farRadii) con
 		const double r2 = squaredNorm(r);
 		if (r2 > far2 * cluster->radius2) sum += farSolidAngle(*cluster, r, r2);
 		else if (child->count > 0)
-			for (uint32_t i = child->first; i < child->first + child->count; ++i) sum += solidAngle(hierarchy.triangles[i], p);
+		{
+			for (uint32_t i = child->first; i < child->first + child->count; ++i) near.add(hierarchy.triangles[i], p);
+			near.rescale();
+		}
 		else
 			for (int k = 0; k < 2; ++k) stack[top++] = {&hierarchy.nodes[child->first].child[k], &clusters[child->first][k]};
 	}
-	return sum / (4 * std::numbers::pi);
+	return (sum + near.sum()) / (4 * std::numbers::pi);
 }
 
 bool MeshDistance::Implementation::contains(const Vec3& p) const

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -31,8 +32,9 @@ struct NamedUnit
 // unit are in millimetres.
 constexpr NamedUnit kUnitsOf3mf[] = {
 	{"micron", 1e-6}, {"millimeter", 1e-3}, {"centimeter", 1e-2}, {"inch", 0.0254}, {"foot", 0.3048}, {"meter", 1}};
-constexpr NamedUnit kUnitsOfAmf[] = {
-	{"micron", 1e-6}, {"millimeter", 1e-3}, {"millimeters", 1e-3}, {"inch", 0.0254}, {"feet", 0.3048}, {"meter", 1}};
+constexpr NamedUnit kUnitsOfAmf[] = {{"micron", 1e-6}, {"microns", 1e-6}, {"micrometer", 1e-6}, {"millimeter", 1e-3}, {"millimeters", 1e-3},
+	{"mm", 1e-3}, {"centimeter", 1e-2}, {"centimeters", 1e-2}, {"cm", 1e-2}, {"inch", 0.0254}, {"inches", 0.0254}, {"in", 0.0254},
+	{"foot", 0.3048}, {"feet", 0.3048}, {"ft", 0.3048}, {"meter", 1}, {"meters", 1}, {"m", 1}};
 constexpr double kMillimetre = 1e-3;
 
 /// The text in lower case, without surrounding blanks.
@@ -83,6 +85,22 @@ MeshFileUnit unitOfXml(std::string_view text)
 	return {};
 }
 
+/// The text of an AMF file with a unit that assimp's reader does not refuse: it ignores the unit, but takes five names only. Empty optional
+/// if the text is as it should be.
+std::optional<std::string> amfForAssimp(std::string_view text, const MeshFileUnit& unit)
+{
+	constexpr std::string_view kTaken[] = {"inch", "millimeter", "meter", "feet", "micron"};
+	if (unit.format != "AMF" || unit.stated.empty() || std::find(std::begin(kTaken), std::end(kTaken), unit.stated) != std::end(kTaken))
+		return std::nullopt;
+	XmlTags tags(text);
+	tags.next();
+	const size_t end = tags.position(), begin = text.substr(0, end).rfind('<');
+	for (const char quote : {'"', '\''})
+		if (const size_t at = text.substr(0, end).find(quote + unit.stated + quote, begin); at != text.npos)
+			return std::string(text.substr(0, at + 1)).append("meter").append(text.substr(at + 1 + unit.stated.size()));
+	return std::nullopt;
+}
+
 Result<MeshFileHead> headOfArchive(const std::string& path, const ZipArchive& archive)
 {
 	const std::string ending = meshFileEnding(path);
@@ -102,6 +120,7 @@ Result<MeshFileHead> headOfArchive(const std::string& path, const ZipArchive& ar
 		std::optional<std::string> text = archive.read(name);
 		if (!text) return Error{"cannot read " + path + ": \"" + name + "\" in it is damaged; export the mesh again"};
 		const MeshFileUnit unit = unitOfXml(*text);
+		if (std::optional<std::string> taken = amfForAssimp(*text, unit)) text = std::move(taken);
 		return MeshFileHead{unit, isCollada ? std::nullopt : std::move(text)};
 	}
 	return MeshFileHead{};
@@ -172,9 +191,9 @@ Result<MeshFileHead> meshFileHead(const std::string& path, std::string_view cont
 	}
 	if (const std::optional<ZipArchive> archive = ZipArchive::open(content)) return headOfArchive(path, *archive);
 	if (content.starts_with("PK\3\4")) return Error{"cannot read " + path + ": its archive is damaged; export the mesh again"};
-	if (!needsUtf8(content)) return MeshFileHead{unitOfXml(content), {}};
-	std::string text = utf8Text(content);
-	const MeshFileUnit unit = unitOfXml(text);
+	std::optional<std::string> text = needsUtf8(content) ? std::optional(utf8Text(content)) : std::nullopt;
+	const MeshFileUnit unit = unitOfXml(text ? *text : content);
+	if (std::optional<std::string> taken = amfForAssimp(text ? *text : content, unit)) text = std::move(taken);
 	return MeshFileHead{unit, std::move(text)};
 }
 }  // namespace ist

@@ -24,6 +24,15 @@ namespace ist
 {
 namespace
 {
+/// Whether a file is what Git LFS keeps in a repository in place of it.
+bool isPointer(const std::string& path)
+{
+	constexpr std::string_view kBegin = "version https://git-lfs.github.com/spec/";
+	char begin[kBegin.size()] = {};
+	std::ifstream(path, std::ios::binary).read(begin, sizeof begin);
+	return std::string_view(begin, sizeof begin) == kBegin;
+}
+
 std::optional<Error> whyNoMeshFile(const std::string& path)
 {
 	std::error_code failure;
@@ -32,6 +41,9 @@ std::optional<Error> whyNoMeshFile(const std::string& path)
 	if (std::filesystem::is_directory(status)) return Error{"cannot read " + path + ": it is a folder; name a file in it"};
 	if (std::filesystem::is_regular_file(status) && std::filesystem::file_size(systemPath(path), failure) == 0 && !failure)
 		return Error{"cannot read " + path + ": it is empty (0 bytes); export the mesh again"};
+	if (std::filesystem::is_regular_file(status) && isPointer(path))
+		return Error{
+			"cannot read " + path + ": it is not the mesh but a pointer to it, as Git LFS leaves in its place; fetch it (git lfs pull)"};
 	return std::nullopt;
 }
 

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Mesh/MeshDiagnostics.h"
 #include "BulletISTCollision/Core/Mesh/MeshEdges.h"
+#include "BulletISTCollision/Core/Repair/MeshHoles.h"
 #include "BulletISTCollision/Core/Repair/MeshOrientation.h"
 #include "BulletISTCollision/Core/Repair/MeshProbes.h"
 #include "BulletISTCollision/Core/Repair/MeshWeld.h"
@@ -28,6 +29,9 @@ constexpr double kMostlyFlat = 0.5, kNotWalls = 1e-3;
 constexpr double kMostAgainst = 1e-3;
 /// Largest share of the volume that closed parts may fill twice, and number of lines along the longest side that measure it.
 constexpr double kMostTwice = 0.01;
+/// Share of what lies under ground, down to its lowest point, that a flat lid over its edge may enclose: half a ball has 2/3. Open
+/// containers have more.
+constexpr double kContainer = 0.75;
 constexpr int kLines = 256;
 
 /// Twice the area of a triangle, projected along an axis; negative if the triangle faces against it.
@@ -115,6 +119,18 @@ void addBottomAndWalls(Mesh& mesh, const GroundClosing& ground, const std::vecto
 		for (; balance > 0; --balance) wall(use->low, use->high);
 		for (; balance < 0; ++balance) wall(use->high, use->low);
 	});
+}
+
+/// Whether the open mesh is a container without its lid that faces outwards, such as a cover or half a housing, rather than ground. A room
+/// without a ceiling faces inwards.
+bool isContainer(const Mesh& mesh, SignedAxis facing)
+{
+	Mesh oriented = weldedEqual(mesh);
+	orientConsistently(oriented);
+	double area = 0;
+	for (const Triangle& t : oriented.triangles) area += std::fabs(projected(oriented, t, facing)) / 2;
+	closeHoles(oriented);
+	return massProperties(oriented).volume > kContainer * area * bounds(oriented).size()[facing.axis];
 }
 
 std::string percent(double share) { return number(std::round(100 * share)) + " %"; }
@@ -211,6 +227,8 @@ std::optional<SignedAxis> facingOfGround(const Mesh& mesh)
 std::string groundAdvice(const Mesh& mesh)
 {
 	const std::optional<SignedAxis> facing = facingOfGround(mesh);
-	return facing ? "; if it is ground that faces " + axisName(*facing) + ", close it downwards along that axis (RepairMode::Ground)" : "";
+	return facing && !isContainer(mesh, *facing)
+		? "; if it is ground that faces " + axisName(*facing) + ", close it downwards along that axis (RepairMode::Ground)"
+		: "";
 }
 }  // namespace ist

@@ -35,6 +35,6 @@ Result<bool> closeDownwards(Mesh& mesh, const GroundClosing& ground);
 /// y, z and x. Empty for other meshes.
 std::optional<SignedAxis> facingOfGround(const Mesh& mesh);
 
-/// The end of a refusal: names RepairMode::Ground if the mesh may be ground. Otherwise empty.
+/// The end of a refusal: names RepairMode::Ground if the mesh may be ground. Empty for others, also for open containers such as covers.
 std::string groundAdvice(const Mesh& mesh);
 }  // namespace ist

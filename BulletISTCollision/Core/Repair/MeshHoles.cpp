@@ -60,6 +60,22 @@ std::vector<uint8_t> verticesOfBodies(const Mesh& mesh)
 	return ofBody;
 }
 
+bool isFlat(const Mesh& mesh, const uint32_t* loop, std::size_t length)
+{
+	const Vec3& start = mesh.vertices[loop[0]];
+	Vec3 normal;
+	double longest = 0;
+	for (std::size_t i = 0; i < length; ++i)
+	{
+		const Vec3 a = mesh.vertices[loop[i]] - start, b = mesh.vertices[loop[(i + 1) % length]] - start;
+		normal += cross(a, b);
+		longest = std::max(longest, norm(a));
+	}
+	normal = normalized(normal);
+	return std::all_of(
+		loop, loop + length, [&](uint32_t v) { return std::fabs(dot(normal, mesh.vertices[v] - start)) <= kFlatPart * longest; });
+}
+
 void cap(Mesh& mesh, const uint32_t* loop, std::size_t length, const std::vector<uint8_t>& ofBody, ClosedHoles& closed)
 {
 	++closed.count;
@@ -83,8 +99,11 @@ void cap(Mesh& mesh, const uint32_t* loop, std::size_t length, const std::vector
 	}
 	double area = 0;
 	for (std::size_t i = first; i < mesh.triangles.size(); ++i) area += triangleArea(mesh, mesh.triangles[i]);
-	const bool isOfBody = std::any_of(loop, loop + length, [&](uint32_t v) { return ofBody[v] != 0; });
-	(isOfBody ? closed.doubt : closed.doubtOfSheets) += area * norm(box.size()) / 4;
+	// Flat parts that touch, such as a floor and a wall, enclose a volume together with a cap from one to the other.
+	const bool isOfBody = std::any_of(loop, loop + length, [&](uint32_t v) { return ofBody[v] != 0; }) || !isFlat(mesh, loop, length);
+	const double extent = norm(box.size()), doubt = area * extent / 4;
+	(isOfBody ? closed.doubt : closed.doubtOfSheets) += doubt;
+	if (doubt > closed.largest.doubt) closed.largest = {doubt, extent, 0.5 * (box.lower + box.upper)};
 }
 }  // namespace
 

@@ -259,8 +259,9 @@ void closeHoles(Attempt& attempt)
 	attempt.holes = closed.count;
 	attempt.doubt += closed.doubt;
 	if (closed.count)
-		attempt.actions.push_back("Closed " + counted(closed.count, "hole", "holes") + "; what is missing there may change the volume by " +
-			number(closed.doubt) + " m^3.");
+		attempt.actions.push_back("Closed " + counted(closed.count, "hole", "holes") + (closed.count > 1 ? ", the largest " : ", ") +
+			number(closed.largest.extent) + " m across at " + place(closed.largest.middle) +
+			"; what is missing there may change the volume by " + number(closed.doubt) + " m^3.");
 	dropDuplicates(attempt.mesh, OppositePairs::Cancel);
 	attempt.state = closedness(attempt.mesh);
 	// The mesh consisted only of sheets that were each closed by their own reverse.

@@ -11,6 +11,7 @@ namespace ist
 namespace
 {
 constexpr std::string_view kMark8 = "\xef\xbb\xbf", kMark16Little = "\xff\xfe", kMark16Big = "\xfe\xff";
+constexpr std::string_view kMark32Little("\xff\xfe\0\0", 4), kMark32Big("\0\0\xfe\xff", 4);
 constexpr uint32_t kReplacement = 0xfffd;
 
 enum class Encoding
@@ -18,7 +19,9 @@ enum class Encoding
 	Utf8,
 	Utf8WithMark,
 	Utf16Little,
-	Utf16Big
+	Utf16Big,
+	Utf32Little,
+	Utf32Big
 };
 
 bool isAsciiText(unsigned char c) { return c >= ' ' && c < 0x7f; }
@@ -26,6 +29,9 @@ bool isAsciiText(unsigned char c) { return c >= ' ' && c < 0x7f; }
 Encoding encodingOf(std::string_view bytes)
 {
 	if (bytes.starts_with(kMark8)) return Encoding::Utf8WithMark;
+	// Without their marks these are not told from binary files.
+	if (bytes.starts_with(kMark32Little)) return Encoding::Utf32Little;
+	if (bytes.starts_with(kMark32Big)) return Encoding::Utf32Big;
 	if (bytes.starts_with(kMark16Little)) return Encoding::Utf16Little;
 	if (bytes.starts_with(kMark16Big)) return Encoding::Utf16Big;
 	if (bytes.size() < 4) return Encoding::Utf8;
@@ -70,6 +76,19 @@ std::string fromUtf16(std::string_view bytes, bool little)
 	}
 	return out;
 }
+
+std::string fromUtf32(std::string_view bytes, bool little)
+{
+	std::string out;
+	out.reserve(bytes.size() / 4);
+	for (size_t i = 4; i + 3 < bytes.size(); i += 4)
+	{
+		uint32_t c = 0;
+		for (size_t byte = 0; byte < 4; ++byte) c = c << 8 | static_cast<unsigned char>(bytes[i + (little ? 3 - byte : byte)]);
+		appendUtf8(out, c < 0xd800 || (c > 0xdfff && c < 0x110000) ? c : kReplacement);
+	}
+	return out;
+}
 }  // namespace
 
 std::string utf8Text(std::string_view bytes)
@@ -79,6 +98,8 @@ std::string utf8Text(std::string_view bytes)
 	case Encoding::Utf8WithMark: return std::string(bytes.substr(kMark8.size()));
 	case Encoding::Utf16Little: return fromUtf16(bytes, true);
 	case Encoding::Utf16Big: return fromUtf16(bytes, false);
+	case Encoding::Utf32Little: return fromUtf32(bytes, true);
+	case Encoding::Utf32Big: return fromUtf32(bytes, false);
 	default: return std::string(bytes);
 	}
 }

@@ -4,6 +4,8 @@
 #include "BulletISTCollision/Core/Import/Formats/MeshText.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cstdint>
 
 namespace ist
 {
@@ -20,7 +22,7 @@ public:
 	bool next()
 	{
 		if (m_at >= m_text.size()) return false;
-		m_continues = !m_line.empty() && m_content.ends_with('\\');
+		m_continues = !m_line.empty() && m_content.ends_with('\\') && !endsInHalf();
 		size_t end = std::min(m_text.find_first_of("\r\n", m_at), m_text.size());
 		m_content = m_text.substr(m_at, end - m_at);
 		end += m_text.substr(end, 2) == "\r\n" ? 2 : end < m_text.size();
@@ -36,6 +38,11 @@ public:
 	bool isIndented() const { return !m_continues && m_content.find_first_not_of(kBlanks) != 0 && !content().empty(); }
 	/// Whether it belongs to the line before it, which ends with a backslash.
 	bool continues() const { return m_continues; }
+	/// Whether its last byte is the second half of a character, as in Shift-JIS, and only looks like a backslash.
+	bool endsInHalf() const
+	{
+		return m_content.size() > 1 && m_content.back() == '\\' && static_cast<unsigned char>(m_content[m_content.size() - 2]) >= 0x80;
+	}
 	size_t number() const { return m_number; }
 
 private:
@@ -100,17 +107,52 @@ std::string withoutTexture(std::string_view line)
 /// Properties of a file that assimp's reader does not expect.
 struct Unexpected
 {
-	bool isIndented = false, hasTexture = false, namesTexture = false;
+	bool isIndented = false, hasTexture = false, namesTexture = false, hasFaces = false, hasHalves = false;
+};
+
+/// The vertices that faces name by their numbers, from 1 on, or from -1 on back from the last one so far.
+class NamedVertices
+{
+public:
+	void addVertex() { ++m_vertices; }
+	/// `corner`: "1/2/3". Words that begin with no number are left to assimp.
+	std::optional<Error> add(std::string_view corner, size_t line)
+	{
+		int64_t number = 0;
+		if (std::from_chars(corner.data(), corner.data() + corner.size(), number).ec != std::errc()) return std::nullopt;
+		if (number == 0 || number < -m_vertices) return missing(number, line);
+		if (number > m_largest) m_largest = number, m_line = line;
+		return std::nullopt;
+	}
+	/// A face may name a vertex that comes later in the file.
+	std::optional<Error> whatIsMissing() const { return m_largest > m_vertices ? std::optional(missing(m_largest, m_line)) : std::nullopt; }
+
+private:
+	Error missing(int64_t number, size_t line) const
+	{
+		return Error{"the face in line " + std::to_string(line) + " names vertex " + std::to_string(number) + ", and the file has " +
+			std::to_string(m_vertices) + (number < 0 ? " before it" : "") + "; it may be cut short: copy or export it again"};
+	}
+	int64_t m_vertices = 0, m_largest = 0;
+	size_t m_line = 0;
 };
 
 Result<Unexpected> inspect(std::string_view text)
 {
 	Unexpected found;
+	NamedVertices named;
+	bool isFace = false;
 	for (Lines lines(text); lines.next();)
 	{
 		const std::string_view content = lines.content();
 		found.isIndented = found.isIndented || lines.isIndented();
+		found.hasHalves = found.hasHalves || lines.endsInHalf();
+		if (!lines.continues()) isFace = hasKeyword(content, "f");
+		for (std::string_view rest = isFace ? content.substr(lines.continues() ? 0 : 1) : ""; !rest.empty();)
+			if (auto error = named.add(takeWord(rest), lines.number())) return *error;
 		if (lines.continues()) continue;
+		if (hasKeyword(content, "v")) named.addVertex();
+		found.hasFaces = found.hasFaces || content.starts_with('f');
 		found.hasTexture = found.hasTexture || hasKeyword(content, "vt");
 		if (const std::string_view word = hasKeyword(content, "v") ? noNumberIn(content) : std::string_view(); !word.empty())
 			return Error{quotedText(word) + " in line " + std::to_string(lines.number()) + " is no number; export it again"};
@@ -118,6 +160,8 @@ Result<Unexpected> inspect(std::string_view text)
 		std::string_view rest = content;
 		while (!rest.empty() && !found.namesTexture) found.namesTexture = namesTexture(takeWord(rest));
 	}
+	if (const auto error = named.whatIsMissing()) return *error;
+	if (!found.hasFaces) return Error{"it has no faces: no line begins with \"f\"; export the surface as polygons"};
 	return found;
 }
 }  // namespace
@@ -129,7 +173,7 @@ Result<std::optional<std::string>> objForAssimp(std::string_view bytes)
 	const Result<Unexpected> found = inspect(text);
 	if (!found) return found.error();
 	const bool dropsTexture = found.value().namesTexture && !found.value().hasTexture;
-	if (!converted && !found.value().isIndented && !dropsTexture) return std::optional<std::string>();
+	if (!converted && !found.value().isIndented && !found.value().hasHalves && !dropsTexture) return std::optional<std::string>();
 	std::string out;
 	out.reserve(text.size());
 	bool isFace = false;
@@ -138,7 +182,8 @@ Result<std::optional<std::string>> objForAssimp(std::string_view bytes)
 		std::string_view line = lines.line();
 		if (lines.isIndented()) line.remove_prefix(line.find_first_not_of(kBlanks));
 		if (!lines.continues()) isFace = hasKeyword(lines.content(), "f");
-		if (isFace && dropsTexture) out += withoutTexture(line);
+		if (lines.endsInHalf()) out.append(line.substr(0, line.rfind('\\'))).append(line.substr(line.rfind('\\') + 1));
+		else if (isFace && dropsTexture) out += withoutTexture(line);
 		else out += line;
 	}
 	return std::optional(std::move(out));

@@ -62,34 +62,68 @@ private:
 class KnownSides
 {
 public:
+	/// `spacing`: side of the cells by whose places balls are found again [m].
+	explicit KnownSides(double spacing) : m_perLength(1 / spacing), m_near(kCells) {}
+
 	/// Zero if no ball contains the point, else 1 inside of the body and -1 outside.
 	int at(const Vec3& p) const
 	{
-		for (const Ball& ball : m_balls)
-			if (squaredNorm(p - ball.center) < ball.square) return ball.side;
-		return 0;
+		const int side = m_last.at(p);
+		return side != 0 ? side : m_near[cellOf(p)].at(p);
 	}
 	void add(const Vec3& center, double depth)
 	{
-		m_balls[m_next] = {center, kClear * depth * depth, depth > 0 ? 1 : -1};
-		m_next = (m_next + 1) % m_balls.size();
+		const Ball ball{center, kClear * depth * depth, depth > 0 ? 1 : -1};
+		m_last.add(ball);
+		m_near[cellOf(center)].add(ball);
 	}
 
 private:
 	static constexpr double kClear = 0.999;
+	static constexpr size_t kCells = 4096;
 	struct Ball
 	{
 		Vec3 center;
 		double square = 0;
 		int side = 0;
 	};
-	std::array<Ball, 8> m_balls;
-	size_t m_next = 0;
+	/// The last balls that were added.
+	template <size_t kCount> class Balls
+	{
+	public:
+		int at(const Vec3& p) const
+		{
+			for (const Ball& ball : m_balls)
+				if (squaredNorm(p - ball.center) < ball.square) return ball.side;
+			return 0;
+		}
+		void add(const Ball& ball)
+		{
+			m_balls[m_next] = ball;
+			m_next = (m_next + 1) % kCount;
+		}
+
+	private:
+		std::array<Ball, kCount> m_balls;
+		size_t m_next = 0;
+	};
+
+	/// Distant cells may share a place: a ball says nothing about points that it does not contain.
+	size_t cellOf(const Vec3& p) const
+	{
+		const auto number = [&](double x) { return uint64_t(int64_t(std::floor(x * m_perLength))); };
+		return (number(p.x) * 73856093 ^ number(p.y) * 19349663 ^ number(p.z) * 83492791) % kCells;
+	}
+
+	double m_perLength;
+	Balls<8> m_last;
+	std::vector<Balls<4>> m_near;
 };
 
 /// What a thread keeps from one sample to the next. The results do not depend on it.
 struct SamplingMemory
 {
+	explicit SamplingMemory(double spacing) : sides(spacing) {}
 	uint32_t hint = UINT32_MAX;  // see MeshDistance::field
 	KnownSides sides;
 };
@@ -168,7 +202,7 @@ std::vector<DepthSample> sampleDepth(
 		const size_t last = std::min(options.count, first + kSamplesPerReport);
 #pragma omp parallel num_threads(options.threads)
 		{
-			SamplingMemory memory;
+			SamplingMemory memory(options.spacing);
 #pragma omp for schedule(dynamic, 256)
 			for (std::ptrdiff_t i = std::ptrdiff_t(first); i < std::ptrdiff_t(last); ++i)
 				samples[size_t(i)] = sampler.sample(size_t(i), memory);

@@ -355,6 +355,32 @@ TEST(MeshDistance, WindingNumberOfAnOpenMeshIsTheSolidAngleFraction)
 	EXPECT_NEAR(tree.windingNumber({0, 0, 0}), 5.0 / 6, 1e-12);
 }
 
+TEST(MeshDistance, WindingNumberCountsLayers)
+{
+	Random random(11);
+	for (const bool turned : {false, true})
+	{
+		// Boxes in boxes, few triangles: all of them are near, and their solid angles add up to many turns.
+		Mesh layers;
+		for (int i = 0; i < 9; ++i)
+		{
+			const Mesh box = boxMesh(Vec3{1, 1.1, 1.2} * (1 + 0.01 * i));
+			const auto first = uint32_t(layers.vertices.size());
+			layers.vertices.insert(layers.vertices.end(), box.vertices.begin(), box.vertices.end());
+			for (const auto& [a, b, c] : box.triangles)
+				layers.triangles.push_back({first + a, first + (turned ? c : b), first + (turned ? b : c)});
+		}
+		const MeshDistance tree(layers);
+		for (int i = 0; i < 200; ++i)
+		{
+			const Vec3 p = random.inCube(1.6);
+			EXPECT_NEAR(tree.windingNumber(p), exactWinding(p, layers), 1e-6);
+		}
+		for (const double scale : {0.0, 0.3, 0.999}) EXPECT_NEAR(tree.windingNumber({scale, 0, 0}), turned ? -9 : 9, 1e-6);
+		EXPECT_NEAR(tree.windingNumber({1.035, 0, 0}), turned ? -5 : 5, 1e-6);
+	}
+}
+
 TEST(MeshDistance, ContainsAgreesWithTheBox)
 {
 	const Vec3 half{0.5, 0.8, 1.1};

@@ -109,6 +109,54 @@ TEST(MeshText, CoordinatesOfObjThatAreNoNumbersAreNamed)
 	expectTetrahedron(replaced(kObj, "v 2 1 0", "v 2,0 1, 0e0 0.5 0.5 0.5 # colour"), ".obj", "other numbers");
 }
 
+TEST(MeshText, ObjWithoutFacesIsRefusedForThat)
+{
+	const std::string points = kObj.substr(0, kObj.find('f')), sentence = "it has no faces: no line begins with \"f\"";
+	for (const std::string& text : {std::string("\xef\xbb\xbf"), std::string("\xff\xfe"), std::string("\n"), points,
+			 points + "l 1 2 3\np 4\n", "# f 1 2 3\n" + points, utf16(points, true, true)})
+		EXPECT_NE(refusal(text, ".obj").find(sentence), std::string::npos) << refusal(text, ".obj");
+}
+
+TEST(MeshText, ObjThatNamesVerticesItDoesNotHaveIsRefusedWithTheLine)
+{
+	const auto expect = [](const std::string& text, const std::string& sentence) {
+		EXPECT_NE(refusal(text, ".obj").find(sentence), std::string::npos) << refusal(text, ".obj");
+	};
+	expect(replaced(kObj, "f 1 2 4", "f 1 2 14/1/1"), "the face in line 6 names vertex 14, and the file has 4; it may be cut short");
+	expect(replaced(kObj, "f 1 2 4", "f 1 2 \\\n 9"), "the face in line 7 names vertex 9, and the file has 4");
+	expect(replaced(kObj, "f 1 2 4", "f 1 2 0"), "the face in line 6 names vertex 0");
+	expect(replaced(kObj, "f 1 2 4", "f 1 2 -5"), "the face in line 6 names vertex -5, and the file has 4 before it");
+	const size_t faces = kObj.find('f');
+	expectTetrahedron(kObj.substr(faces) + kObj.substr(0, faces), ".obj", "vertices behind their faces");
+	expectTetrahedron(replaced(kObj, "f 1 2 4", "f -4 -3 -1"), ".obj", "numbers back from the last vertex");
+}
+
+TEST(MeshText, ObjInTwoByteCharactersIsRead)
+{
+	// In Shift-JIS the second byte of some characters is a backslash, which joins no lines.
+	const std::string word = "\x95\x5c";
+	expectTetrahedron("# " + word + "\no " + word + "\n" + kObj, ".obj", "Shift-JIS");
+	expectTetrahedron(replaced("# " + word + "\no " + word + "\n" + kObj, "\n", "\r\n"), ".obj", "Shift-JIS with CR LF");
+}
+
+TEST(MeshText, TextInUtf32IsRead)
+{
+	for (const bool little : {true, false})
+	{
+		std::string bytes = little ? std::string("\xff\xfe\0\0", 4) : std::string("\0\0\xfe\xff", 4);
+		for (const char c : kObj) bytes += little ? std::string{c, 0, 0, 0} : std::string{0, 0, 0, c};
+		expectTetrahedron(bytes, ".obj", little ? "little" : "big");
+	}
+}
+
+TEST(MeshText, APointerToAFileIsNamed)
+{
+	for (const char* ending : {".obj", ".stl", ".glb", ".3mf"})
+		EXPECT_NE(
+			refusal("version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n", ending).find("fetch it (git lfs pull)"),
+			std::string::npos);
+}
+
 TEST(MeshText, PlyTextIsReadInAllEncodingsAndIndented)
 {
 	expectTetrahedron(kPly, ".ply", "plain");

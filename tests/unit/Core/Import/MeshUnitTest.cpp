@@ -89,7 +89,7 @@ std::vector<Stated> statedUnits()
 	all.push_back({package("xml:lang=\"en-US\""), ".3mf", 1e-3});
 	all.push_back({"bytes before the archive" + package("unit=\"inch\""), ".3MF", 0.0254});
 	for (const auto& [name, unit] : {std::pair("micron", 1e-6), std::pair("millimeter", 1e-3), std::pair("Inch", 0.0254),
-			 std::pair("feet", 0.3048), std::pair("meter", 1.0)})
+			 std::pair("feet", 0.3048), std::pair("foot", 0.3048), std::pair("cm", 1e-2), std::pair("meter", 1.0)})
 	{
 		all.push_back({amf("unit=\"" + std::string(name) + "\""), ".amf", unit});
 		all.push_back({zipText({{"part.amf", amf("unit=\"" + std::string(name) + "\"")}}), ".amf", unit});
@@ -219,6 +219,8 @@ TEST(MeshUnit, AUnitThatTheFormatDoesNotKnowIsRefusedUnlessOneIsGiven)
 		<< package3mf.error().message;
 	expectSize(read(package("unit=\"furlong\""), ".3mf", 0.01), 0.01);
 	EXPECT_FALSE(read(amf("unit=\"cubit\""), ".amf"));
+	expectSize(read(amf("unit=\"cubit\""), ".amf", 0.5), 0.5);
+	expectSize(read(zipText({{"part.amf", amf("unit='m'")}}), ".amf"), 1);
 	for (const char* meter : {"0", "-1", "none", "nan"})
 	{
 		EXPECT_FALSE(read(collada("<unit meter=\"" + std::string(meter) + "\"/>"), ".dae"));

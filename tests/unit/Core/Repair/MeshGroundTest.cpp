@@ -236,6 +236,29 @@ TEST(MeshGround, TheRefusalOfTerrainNamesIt)
 	Mesh lidless = kBox;
 	lidless.triangles.erase(lidless.triangles.begin(), lidless.triangles.begin() + 2);
 	EXPECT_EQ(groundAdvice(lidless), "");
+	// Flat containers, open above or below, and the wall of the second one leans: no ground.
+	for (const double sign : {1, -1})
+		for (const double bottom : {1.0, 0.95})
+		{
+			Mesh cover = makeBoxMesh({1, 0.1, 1});
+			std::erase_if(cover.triangles,
+				[&](const auto& t) { return std::all_of(t.begin(), t.end(), [&](uint32_t v) { return sign * cover.vertices[v].y > 0; }); });
+			ASSERT_EQ(cover.triangles.size(), 10u);
+			for (Vec3& v : cover.vertices)
+				if (sign * v.y < 0) v.x *= bottom, v.z *= bottom;
+			EXPECT_TRUE(facingOfGround(cover)) << sign << " " << bottom;
+			EXPECT_EQ(groundAdvice(cover), "") << sign << " " << bottom;
+		}
+	// Neither a room that faces inwards nor a dome is a container.
+	Mesh room = makeBoxMesh({1, 0.1, 1});
+	std::erase_if(
+		room.triangles, [&](const auto& t) { return std::all_of(t.begin(), t.end(), [&](uint32_t v) { return room.vertices[v].y > 0; }); });
+	for (auto& t : room.triangles) std::swap(t[1], t[2]);
+	EXPECT_NE(groundAdvice(room).find("ground that faces y"), std::string::npos);
+	Mesh dome = makeSphereMesh(1, 3);
+	std::erase_if(dome.triangles,
+		[&](const auto& t) { return std::any_of(t.begin(), t.end(), [&](uint32_t v) { return dome.vertices[v].y < 0.3; }); });
+	EXPECT_NE(groundAdvice(dome).find("ground that faces y"), std::string::npos);
 }
 
 TEST(MeshGround, ItsTextIsReadBackAndOtherTextsAreNot)

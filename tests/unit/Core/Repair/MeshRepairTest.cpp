@@ -190,6 +190,29 @@ TEST(MeshRepair, TheWallBetweenTouchingBoxesIsRemoved)
 	expectVolume(joined(kBox, right), 16);
 }
 
+TEST(MeshRepair, AFloorAndAWallAreNoBody)
+{
+	// They touch in two corners, so that caps would lie between them.
+	Mesh level;
+	level.vertices = {{0, 0, 0}, {10, 0, 0}, {10, 0, 10}, {0, 0, 10}, {5, 0, 0}, {0, 3, 0}, {10, 3, 0}};
+	level.triangles = {{0, 3, 4}, {4, 3, 2}, {4, 2, 1}, {0, 1, 6}, {0, 6, 5}};
+	const Result<RepairedMesh> repaired = repair(level);
+	EXPECT_TRUE(!repaired || repaired.value().volumeDoubt > 0.5 * repaired.value().volumeAfter);
+	EXPECT_NE(groundAdvice(level).find("ground that faces y"), std::string::npos);
+}
+
+TEST(MeshRepair, TheLargestHoleIsNamed)
+{
+	Mesh box = makeBoxMesh({1, 2, 3});
+	std::erase_if(
+		box.triangles, [&](const auto& t) { return std::all_of(t.begin(), t.end(), [&](uint32_t v) { return box.vertices[v].x == 1; }); });
+	box.triangles.erase(box.triangles.begin());
+	const Result<RepairedMesh> repaired = repair(box);
+	ASSERT_TRUE(repaired) << repaired.error().message;
+	const std::string& sentence = repaired.value().actions[0];
+	EXPECT_NE(sentence.find("Closed 2 holes, the largest 7.2111 m across at (1, 0, 0) m; what is missing"), std::string::npos) << sentence;
+}
+
 TEST(MeshRepair, SimpleHolesAreClosed)
 {
 	Mesh mesh = kBox;
