@@ -5,6 +5,10 @@ function(bullethaptics_target target)
 	set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON DEFINE_SYMBOL "")
 	# Shared libraries: until 1.0 every minor version may change the ABI.
 	get_target_property(kind ${target} TYPE)
+	# Otherwise a DLL would export the functions of the compiler's libraries that are in it, too.
+	if(MINGW AND kind MATCHES "SHARED_LIBRARY|MODULE_LIBRARY")
+		target_link_options(${target} PRIVATE -Wl,--exclude-libs,ALL)
+	endif()
 	if(kind STREQUAL "SHARED_LIBRARY")
 		set_target_properties(${target} PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 		if(UNIX AND NOT APPLE)

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace
 {
@@ -16,7 +17,7 @@ namespace
 // heavy body then falls through. Deeper contact is written with this distance and the stiffness that gives the same force.
 constexpr double kDeepestDistance = 0.03;  // [m]
 // Patches whose forces differ by less than this angle become one group. Then four points of one normal lose 6 % of the force at most.
-const double kSameDirection = std::cos(20 * M_PI / 180);
+const double kSameDirection = std::cos(20 * std::numbers::pi / 180);
 
 /// Patches that push in about the same direction. A's mesh frame.
 struct PatchGroup

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 using namespace ist;
 using namespace scenes;
@@ -38,9 +39,9 @@ TEST(SceneShapes, ACrownIsWholeAndHasTheVolumeOfItsWall)
 		double volume = 0;
 		for (int i = 0; i < steps; ++i)
 		{
-			const double h = crownHeight(shape, 2 * M_PI * (i + 0.5) / steps);
+			const double h = crownHeight(shape, 2 * std::numbers::pi * (i + 0.5) / steps);
 			const auto share = [&](double z) { return (shape.radius * shape.radius - std::pow(crownInside(shape, z), 2)) / 2; };
-			volume += 2 * M_PI / steps * h / 6 * (share(0) + 4 * share(h / 2) + share(h));
+			volume += 2 * std::numbers::pi / steps * h / 6 * (share(0) + 4 * share(h / 2) + share(h));
 		}
 		EXPECT_NEAR(massProperties(mesh).volume, volume, 0.015 * volume) << points;
 		EXPECT_NEAR(bounds(mesh).upper.z, shape.bandHeight + shape.pointHeight, 1e-12);
@@ -78,8 +79,8 @@ TEST(SceneShapes, ATubeIsWholeAndHasTheVolumeOfItsWall)
 		expectWhole(mesh);
 		const double inside = shape.radius - shape.wall, r = inside + chamfer;
 		// A ring, without the frustum that widens the hole, on 96 chords instead of circles.
-		const double chords = 96 * std::sin(2 * M_PI / 96) / (2 * M_PI);
-		const double volume = M_PI *
+		const double chords = 96 * std::sin(2 * std::numbers::pi / 96) / (2 * std::numbers::pi);
+		const double volume = std::numbers::pi *
 			((shape.radius * shape.radius - inside * inside) * 2 * shape.halfLength -
 				chamfer * ((r * r + r * inside + inside * inside) / 3 - inside * inside));
 		EXPECT_NEAR(massProperties(mesh).volume, chords * volume, 1e-9 * volume);

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 using namespace ist;
@@ -27,7 +28,8 @@ TEST(ContinuumGrid, ARodOnAFlatHasTheVolumeOfItsSegment)
 	for (const double depth : {0.0013, 0.003, 0.0051})
 	{
 		const double r = rod.radius, c = r - depth;
-		const double segment = r * r * std::acos(c / r) - c * std::sqrt(r * r - c * c), cap = M_PI * depth * depth * (r - depth / 3);
+		const double segment = r * r * std::acos(c / r) - c * std::sqrt(r * r - c * c),
+					 cap = std::numbers::pi * depth * depth * (r - depth / 3);
 		const double volume = segment * 2 * rod.halfLength + cap;
 		const ContinuumGrid::Sum sum = grid.overlap(rod, {0.0011, 0.03 + c, 0.0007}, {0, 0, 1});
 		const double blur = 2.5e-4 / depth;
@@ -66,7 +68,7 @@ TEST(Continuity, PowerAboveAFrequencyIsHalfTheSquareOfASine)
 	const double rate = 1000;
 	const auto wave = [&](double frequency, double size) {
 		std::vector<double> values;
-		for (int i = 0; i < 700; ++i) values.push_back(3 + 0.02 * i + size * std::sin(2 * M_PI * frequency * i / rate + 0.4));
+		for (int i = 0; i < 700; ++i) values.push_back(3 + 0.02 * i + size * std::sin(2 * std::numbers::pi * frequency * i / rate + 0.4));
 		return values;
 	};
 	EXPECT_NEAR(powerAbove(wave(80, 0.3), rate, 50), 0.3 * 0.3 / 2, 0.02 * 0.045);

@@ -9,6 +9,23 @@
 
 namespace ist
 {
+namespace
+{
+/// Opens a file to read it. Waits while another program replaces it.
+HANDLE openToRead(const std::wstring& path)
+{
+	constexpr int kTries = 50;
+	for (int i = 0;; ++i)
+	{
+		// FILE_SHARE_DELETE: the file may be replaced while it is mapped.
+		const HANDLE file = ::CreateFileW(path.c_str(), GENERIC_READ, FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE, nullptr,
+			OPEN_EXISTING, FILE_ATTRIBUTE_NORMAL, nullptr);
+		if (file != INVALID_HANDLE_VALUE || ::GetLastError() != ERROR_SHARING_VIOLATION || i == kTries) return file;
+		::Sleep(static_cast<DWORD>(i / 5));
+	}
+}
+}  // namespace
+
 void populate(const std::byte* bytes, size_t size)
 {
 	// If the system cannot do this, the first access to each page loads it.
@@ -24,9 +41,7 @@ MappedFile::~MappedFile()
 Result<MappedFile> MappedFile::open(const std::string& path)
 {
 	constexpr size_t kChunk = size_t(1) << 22;
-	// FILE_SHARE_DELETE: the file may be replaced while it is mapped.
-	const OpenHandle file(::CreateFileW(wide(path).c_str(), GENERIC_READ, FILE_SHARE_READ | FILE_SHARE_WRITE | FILE_SHARE_DELETE, nullptr,
-		OPEN_EXISTING, FILE_ATTRIBUTE_NORMAL, nullptr));
+	const OpenHandle file(openToRead(wide(path)));
 	if (!file.good())
 	{
 		const std::error_code reason = lastError();

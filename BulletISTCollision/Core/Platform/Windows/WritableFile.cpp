@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
 namespace ist
 {
@@ -12,22 +13,56 @@ namespace
 {
 HANDLE handleOf(std::intptr_t file) { return reinterpret_cast<HANDLE>(file); }
 
-bool isThere(const std::filesystem::path& path) { return ::GetFileAttributesW(path.c_str()) != INVALID_FILE_ATTRIBUTES; }
+/// What the name of a file ends with whose place was taken while a program had it mapped.
+constexpr const wchar_t* kAside = L"old";
 
-/// Puts `created` in the place of `target`, which keeps its access list.
+/// What other programs may do with the file at `path`; empty if it has no such list.
+std::vector<std::byte> accessList(const std::filesystem::path& path)
+{
+	DWORD size = 0;
+	::GetFileSecurityW(path.c_str(), DACL_SECURITY_INFORMATION, nullptr, 0, &size);
+	std::vector<std::byte> list(size);
+	if (size == 0 || ::GetFileSecurityW(path.c_str(), DACL_SECURITY_INFORMATION, list.data(), size, &size) == 0) return {};
+	return list;
+}
+
+/// Whether a file cannot be replaced because a program has it open, which may end at any time.
+bool isInUse(DWORD reason)
+{
+	return reason == ERROR_ACCESS_DENIED || reason == ERROR_SHARING_VIOLATION || reason == ERROR_USER_MAPPED_FILE;
+}
+
+/// Puts `created` in the place of `target`.
 bool replaces(const std::filesystem::path& created, const std::filesystem::path& target)
 {
-	if (!isThere(target)) return ::MoveFileExW(created.c_str(), target.c_str(), MOVEFILE_WRITE_THROUGH) != 0;
-	if (::ReplaceFileW(target.c_str(), created.c_str(), nullptr, REPLACEFILE_IGNORE_MERGE_ERRORS, nullptr, nullptr) != 0) return true;
-	// The system does not delete a file that a program has mapped, but renames it. It is deleted when it can be.
-	const std::wstring aside = created.native() + L"old";
-	if (::ReplaceFileW(target.c_str(), created.c_str(), aside.c_str(), REPLACEFILE_IGNORE_MERGE_ERRORS, nullptr, nullptr) != 0)
+	constexpr DWORD kHow = MOVEFILE_REPLACE_EXISTING | MOVEFILE_WRITE_THROUGH;
+	constexpr int kTries = 50;
+	for (int i = 0; i < kTries; ++i)
 	{
-		::DeleteFileW(aside.c_str());
-		return true;
+		if (::MoveFileExW(created.c_str(), target.c_str(), kHow) != 0) return true;
+		if (!isInUse(::GetLastError())) return false;
+		::Sleep(static_cast<DWORD>(i / 5));
 	}
-	// File systems that have no access lists.
-	return ::MoveFileExW(created.c_str(), target.c_str(), MOVEFILE_REPLACE_EXISTING | MOVEFILE_WRITE_THROUGH) != 0;
+	// The system does not delete a file that a program has mapped, but renames it.
+	const std::wstring aside = created.native() + kAside;
+	if (::MoveFileExW(target.c_str(), aside.c_str(), 0) == 0) return false;
+	const bool isThere = ::MoveFileExW(created.c_str(), target.c_str(), kHow) != 0;
+	const DWORD reason = ::GetLastError();
+	if (isThere) ::DeleteFileW(aside.c_str());
+	else ::MoveFileExW(aside.c_str(), target.c_str(), 0);
+	::SetLastError(reason);
+	return isThere;
+}
+
+/// Deletes files that were put aside and that no program has mapped any more.
+void deleteAside(const std::filesystem::path& folder)
+{
+	WIN32_FIND_DATAW found{};
+	const HANDLE search = ::FindFirstFileW((folder / (std::wstring(L".tmp*") + kAside)).c_str(), &found);
+	if (search == INVALID_HANDLE_VALUE) return;
+	do ::DeleteFileW((folder / found.cFileName).c_str());
+	while (::FindNextFileW(search, &found) != 0);
+	::FindClose(search);
 }
 }  // namespace
 
@@ -42,13 +77,16 @@ std::error_code WritableFile::createBeside(const std::filesystem::path& target)
 	const DWORD attributes = ::GetFileAttributesW(target.c_str());
 	if (attributes != INVALID_FILE_ATTRIBUTES && (attributes & FILE_ATTRIBUTE_READONLY))
 		return {ERROR_WRITE_PROTECT, std::system_category()};
+	deleteAside(target.parent_path());
+	std::vector<std::byte> list = accessList(target);
+	SECURITY_ATTRIBUTES access{sizeof access, list.empty() ? nullptr : list.data(), FALSE};
 	// No two writers share a name, neither threads of a process nor processes. It is short, because the target's may be as long as the
 	// system allows.
 	const std::wstring stem = (target.parent_path() / (L".tmp" + std::to_wstring(::GetCurrentProcessId()) + L"_")).native();
 	for (unsigned i = 0;; ++i)
 	{
 		const std::wstring name = stem + std::to_wstring(i);
-		OpenHandle file(::CreateFileW(name.c_str(), GENERIC_WRITE, 0, nullptr, CREATE_NEW, FILE_ATTRIBUTE_NORMAL, nullptr));
+		OpenHandle file(::CreateFileW(name.c_str(), GENERIC_WRITE, 0, &access, CREATE_NEW, FILE_ATTRIBUTE_NORMAL, nullptr));
 		if (!file.good() && ::GetLastError() == ERROR_FILE_EXISTS) continue;
 		if (!file.good()) return lastError();
 		m_file = reinterpret_cast<std::intptr_t>(file.release());

@@ -108,7 +108,8 @@ void vrpn_Tracker_Remote::mainloop()
 		if (!handle.present || !m_known) return;
 		timespec now{};
 		clock_gettime(CLOCK_REALTIME, &now);
-		pose.msg_time = velocity.msg_time = {now.tv_sec, now.tv_nsec / 1000};
+		pose.msg_time = velocity.msg_time = {
+			static_cast<decltype(timeval::tv_sec)>(now.tv_sec), static_cast<decltype(timeval::tv_usec)>(now.tv_nsec / 1000)};
 		pose.sensor = velocity.sensor = kSensor;
 		tells = handle.tellsVelocity;
 		// A tracker that reports no velocity moves with it.

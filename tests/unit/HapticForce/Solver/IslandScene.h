@@ -6,6 +6,7 @@
 #include <Eigen/Dense>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -184,7 +185,7 @@ inline Scene heldScene(uint64_t seed)
 	scene.free[size_t(held)].linear.z -= 9.81 * kStep;
 	for (int i = 0; i < parts; ++i)
 	{
-		const double angle = 2 * M_PI * i / parts;
+		const double angle = 2 * std::numbers::pi * i / parts;
 		const ist::Vec3 inwards{-std::cos(angle), -std::sin(angle), 0};
 		const int part = scene.addBody(0.2);
 		scene.bodies[size_t(part)].center = scene.bodies[size_t(held)].center - 0.6 * inwards;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 
 using namespace devicebridge;
@@ -27,7 +28,9 @@ std::vector<Wrench6> corners(const std::vector<GraspContact>& contacts, const Gr
 			all.push_back({f.x, f.y, f.z, m.x, m.y, m.z});
 		};
 		for (int i = 0; i < o.edges; ++i)
-			add(c.normal + c.friction * (std::cos(2 * M_PI * i / o.edges) * t1 + std::sin(2 * M_PI * i / o.edges) * t2), {});
+			add(c.normal +
+					c.friction * (std::cos(2 * std::numbers::pi * i / o.edges) * t1 + std::sin(2 * std::numbers::pi * i / o.edges) * t2),
+				{});
 		for (const double s : {-1.0, 1.0}) add(c.normal, s * c.friction * c.frictionRadius * c.normal);
 	}
 	return all;
