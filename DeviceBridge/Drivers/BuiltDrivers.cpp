@@ -23,6 +23,7 @@ MadeDevice makeSimulated(const std::string& rest)
 	if (!at) return at.error();
 	const auto press = address.takeNumber("press", 0, 0, 1);
 	if (!press) return press.error();
+	if (!address.leftOver().empty()) return ist::Error{address.leftOver() + "; it knows press, fault and at", false};
 	auto profile = simulatedProfile(address.rest());
 	if (!profile) return profile.error();
 	profile.value().faultAt = at.value();

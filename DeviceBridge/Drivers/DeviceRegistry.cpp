@@ -47,7 +47,7 @@ ist::Result<SharedOptions> takeShared(DeviceAddress& address)
 	const std::string reconnect = address.take("reconnect").value_or("off");
 	if (reconnect != "on" && reconnect != "off") return ist::Error{"The option reconnect=" + reconnect + " must be on or off", false};
 	options.reconnect = reconnect == "on";
-	const auto clutch = address.takeNumber("clutch", 0, 0, 32), scale = address.takeNumber("scale", 1, 0.01, 100);
+	const auto clutch = address.takeNumber("clutch", 0, 1, 32), scale = address.takeNumber("scale", 1, 0.01, 100);
 	if (!clutch) return clutch.error();
 	if (!scale) return scale.error();
 	options.clutch = static_cast<int>(clutch.value());

@@ -129,6 +129,16 @@ TEST(DeviceRegistry, ReportsWhatIsMissingAndWhy)
 	EXPECT_NE(device.error().message.find("libnerve-dev"), std::string::npos);
 }
 
+TEST(DeviceRegistry, NamesTheOptionThatASimulatedDeviceDoesNotKnow)
+{
+	const auto device = DeviceRegistry().open("sim:sigma7?colour=red");
+	ASSERT_FALSE(device);
+	EXPECT_NE(device.error().message.find("knows no option colour"), std::string::npos) << device.error().message;
+	const auto clutch = DeviceRegistry().open("sim:sigma7?clutch=0");
+	ASSERT_FALSE(clutch);
+	EXPECT_NE(clutch.error().message.find("from 1 to 32"), std::string::npos) << clutch.error().message;
+}
+
 TEST(DeviceRegistry, ASimulatedDeviceShowsAFaultThatItsAddressNames)
 {
 	DeviceRegistry registry;
