@@ -354,6 +354,9 @@ int Acceptance::run(bool withForces)
 {
 	m_person.tell(withForces ? "The device will push with at most 1 N, rising slowly. Keep face and loose things away from it."
 							 : "No force is sent.");
+	if (m_person.isSimulated())
+		m_person.tell("A simulated hand makes the movements. What a person would measure and feel: 40 (mm), and right, left, up, down, "
+					  "towards, away in this order; it comes to rest: yes.");
 	m_person.tell("Answer `skip` to leave a part out. The file is written at the end.");
 	if (const auto begin = m_person.ask("Type yes to begin"); !begin || *begin != "yes")
 		return fail("nothing was done: the answer was not yes");

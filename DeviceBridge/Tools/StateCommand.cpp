@@ -42,6 +42,7 @@ struct Watched
 			const std::string complaint = device->complaint();
 			return "lost: " + (complaint.empty() ? std::string(describe(status)) : complaint);
 		}
+		if (!isRigid(state.X_WH)) return "lost: " + std::string(describe(DeviceStatus::InvalidState));
 		std::string all;
 		const auto add = [&](const char* what) { all += (all.empty() ? "" : ", ") + std::string(what); };
 		if (!(state.flags & kCalibrated)) add("not calibrated");
@@ -116,7 +117,7 @@ int runState(const StateArguments& arguments)
 	for (const Watched& w : devices)
 	{
 		rows.append(rowOf(w, seconds));
-		all = all && w.device && w.status == DeviceStatus::Ok;
+		all = all && w.device && w.status == DeviceStatus::Ok && isRigid(w.state.X_WH);
 	}
 	if (!arguments.watch || arguments.json) print(report, arguments.json);
 	for (Watched& w : devices)

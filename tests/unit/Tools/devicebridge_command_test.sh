@@ -63,6 +63,8 @@ expect "state as a table" 0 "$bridge" state sim:touchx --seconds 0.1
 grep -q '^  sim:touchx  *ready  *Touch X ' "$dir/out" || { echo "FAILED state as a table"; cat "$dir/out"; failures=$((failures + 1)); }
 expect "state of none" 1 "$bridge" state sim:nothing sim:touchx --seconds 0.1 --json
 holds "state of none" '"No simulated device is called" in r["devices"][0]["state"] and r["devices"][1]["state"] == "ready"'
+expect "state of a pose that is not finite" 1 "$bridge" state 'sim:touch?fault=nan' --seconds 0.1 --json
+holds "state of a pose that is not finite" '"not finite" in r["devices"][0]["state"]'
 expect "a device that is lost while it is watched" 0 "$bridge" record sim:touchx --seconds 0.3 -o "$dir/short.istdrec"
 expect "a device that is lost while it is watched" 1 "$bridge" state "replay:$dir/short.istdrec" --watch --seconds 1
 [ "$(grep -c "replay:$dir/short.istdrec  " "$dir/out")" -eq 2 ] && grep -q ' ready$' "$dir/out" && grep -q ' lost: ' "$dir/out" \
@@ -131,6 +133,7 @@ accept()
 }
 part='{p["part"]: p for p in r["parts"]}'
 accept "acceptance" 0 "$(answers "$felt" 40 yes)" sim:sigma7
+says "acceptance of a simulated device tells what to answer" "40 (mm), and right, left, up, down, towards, away"
 holds "acceptance" 'r["ok"] and r["complete"] and r["simulated"]'
 holds "acceptance says whose it is" 'r["comment"] == "All as Described." and r["device"]["model"] == "sigma.7"'
 holds "acceptance has its parts" '[p["part"] for p in r["parts"]] == ["axes", "turns", "scale", "rate", "forces", "release", "unplug"]'
