@@ -12,7 +12,8 @@ cmake --preset release >build-log.txt 2>&1 || { cat build-log.txt >&2; exit 1; }
 # On a terminal with the steps that ninja counts.
 build()
 {
-	cmake --build --preset release --target haptic_demos ist devicebridge_command 2>&1 | tee -a build-log.txt | while read -r step _; do
+	cmake --build --preset release --target haptic_demos ist devicebridge_command \
+		devicebridge_dhd devicebridge_hd devicebridge_virtuose 2>&1 | tee -a build-log.txt | while read -r step _; do
 		if [[ -t 2 && $step == \[*\] ]]; then printf '%s\r' "$step" >&2; fi
 	done
 }

@@ -84,7 +84,9 @@ ist::Result<const devicebridge_plugin*> loadPlugin(const std::string& name)
 	{
 		std::string folders;
 		for (const std::string& folder : pluginFolders()) folders += (folders.empty() ? "" : ", ") + folder;
-		return ist::Error{"No " + kPrefix + name + kSuffix + " in " + folders + "; add its folder to DEVICEBRIDGE_PLUGIN_PATH", false};
+		return ist::Error{"No " + kPrefix + name + kSuffix + " in " + folders +
+				"; add its folder to DEVICEBRIDGE_PLUGIN_PATH (in a build that is not installed, the folder `plugins` of the build)",
+			false};
 	}
 	DynamicLibrary library;
 	if (!library.load(file, DynamicLibrary::Symbols::Own)) return ist::Error{"Cannot load " + file + ": " + library.why(), false};
