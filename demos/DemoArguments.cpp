@@ -51,7 +51,7 @@ const char* const kDemoUsage =
 	"  --save-scene FILE   the bodies at the end as a scene file (--scene FILE), with their trees beside it\n"
 	"  --window-screenshot FILE  of the window's last picture, with --frames\n"
 	"  --size WxH       of pictures (default 960x540) or of the window (1280x800)\n"
-	"  --device ADDRESS a device that moves what the browser's hand holds (`devicebridge list` shows addresses)\n"
+	"  --device ADDRESS a device that moves what the hand of the window holds (`devicebridge list` shows addresses)\n"
 	"  --forces         the hand at that device feels the tool, in a thread of 1 kHz of its own\n"
 	"  --gallery DIR    a picture of every demo and a page that shows them\n";
 
@@ -99,6 +99,12 @@ std::string conflict(const std::set<std::string>& given, const DemoArguments& a)
 				return std::string(name) +
 					" needs --demo NAME or --scene FILE: without either the browser opens in a window (--list names the demos)";
 	if (given.count("--forces") && !given.count("--device")) return "--forces goes with --device ADDRESS, where they are felt";
+	if (given.count("--device") && !given.count("--study"))
+		for (const char* name : {"--headless", "--json", "--report", "--screenshot", "--record", "--save-scene", "--gallery"})
+			if (given.count(name))
+				return std::string("--device goes without ") + name +
+					": it moves the hand of the window; without a window a device leads the hand of a scene file (--scene FILE --set "
+					"hand.device=ADDRESS --set hand.path=[] --set duration=SECONDS)";
 	if (given.count("--window-screenshot") && !given.count("--frames")) return "--window-screenshot goes with --frames";
 	if (given.count("--paper-figures"))
 		return clash("--paper-figures",

@@ -99,7 +99,9 @@ std::optional<Error> openDevice(const SceneHand& scene, const Pose& X_MP, Played
 		return openWithOptions(scene, X_MP, hand);
 	if (scene.parts || !isSimulated || scene.device.find('?') != std::string::npos)
 	{
-		if (!scene.path.empty()) return at(scene.devicePlace, "only a simulated device follows the path of its hand, not " + scene.device);
+		if (!scene.path.empty())
+			return at(scene.devicePlace,
+				"only a simulated device follows the path of its hand, not " + scene.device + ": leave the path out, and set `duration`");
 		Result<std::unique_ptr<Device>> opened = DeviceRegistry().open(scene.device);
 		if (!opened) return at(scene.devicePlace, opened.error().message);
 		hand.device = std::make_unique<TimedDevice>(std::move(opened).value());

@@ -325,7 +325,8 @@ bool SceneOutcome::ok() const
 
 Result<SceneOutcome> runScene(const Scene& scene, const SceneRunOptions& options, std::unique_ptr<SceneWorld>* world)
 {
-	if (scene.hands.empty()) return at(scene.handPlace, "is missing: a session needs one");
+	if (scene.hands.empty())
+		return at(scene.handPlace, "is missing: a session needs one, such as {\"device\": \"sim:inverse3\", \"tool\": \"NAME OF A BODY\"}");
 	if (auto refused = checkRecordings(scene)) return *refused;
 	Result<std::unique_ptr<SceneWorld>> made = SceneWorld::make(scene, scene.topology == SceneTopology::OneThread, options.build);
 	if (!made) return made.error();

@@ -63,6 +63,8 @@ expect "a value without a field" 2 "--set wants FIELD=VALUE, not duration" "$dem
 expect "a field that is not there" 1 "hands" "$demos" --scene "$dir/good.json" --set "hands[0].device=sim:touch"
 expect "a hand that presses and has a path" 1 "leave out press, or the path" "$demos" --scene "$dir/good.json" --cache "" \
 	--set 'hand.device=sim:touch?press=0.01' --set 'hand.path=[{"time":0,"position":[0,0,0]}]'
+expect "a path and a device that moves by itself" 1 "leave the path out, and set" "$demos" --scene "$dir/good.json" --cache "" \
+	--set hand.device=dhd:0 --set 'hand.path=[{"time":0,"position":[0,0,0]}]'
 expect "a value for a demo" 2 "--set goes with --scene" "$demos" --demo hello --set duration=1
 expect "a good scene runs" 0 "" "$demos" --scene "$dir/good.json" --virtual-time --cache "" --json
 python3 -c "
@@ -96,7 +98,7 @@ expect "participants are for studies" 2 "--participant goes with --study" "$demo
 expect "a study has no report" 2 "--study goes without --report" "${study[@]}" --participant 1 --report "$dir/x.html"
 expect "the device of a study has an address" 1 "hand.device: wants an address" \
 	"${study[@]}" --participant 9 --device sigma7
-expect "a session needs a hand" 1 "$dir/handless.json:1: hand: is missing: a session needs one" "$demos" --scene "$dir/handless.json"
+expect "a session needs a hand" 1 "$dir/handless.json:1: hand: is missing: a session needs one, such as" "$demos" --scene "$dir/handless.json"
 expect "a missing file is named" 1 "$dir/none.json: cannot be read" "$demos" --scene "$dir/none.json"
 expect "a scene says all by itself" 2 "--scene goes without" "$demos" --scene "$dir/good.json" --spheres 10
 expect "a folder is no scene" 1 "$dir: cannot be read" "$demos" --scene "$dir"
@@ -162,6 +164,10 @@ expect "so many spheres there are not" 2 "--spheres must be a positive whole num
 	"$demos" --demo hello --headless --spheres 1e300
 expect "a scene's file has a name" 2 "--scene needs a value" "$demos" --scene "" --json
 expect "forces want a device" 2 "--forces goes with --device" "$demos" --demo bunny --forces
+expect "a device wants a window" 2 "--device goes without --headless" \
+	"$demos" --demo hello --headless --frames 5 --device sim:touch --forces
+expect "a picture is not made by a device" 2 "--device goes without --screenshot" \
+	"$demos" --demo hello --frames 5 --device sim:touch --screenshot "$dir/x.png"
 expect "a saved scene wants a demo" 2 "--save-scene needs --demo" "$demos" --save-scene x.json
 expect "a gallery's folder has a name" 2 "--gallery needs a value" "$demos" --gallery ""
 expect "counts are checked" 2 "--frames must be a positive whole number" "$demos" --demo hello --headless --frames 1.5
