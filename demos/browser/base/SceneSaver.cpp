@@ -152,7 +152,12 @@ private:
 	/// A simulated hand holds the tool in place.
 	void addHand()
 	{
-		if (m_toolName.empty()) return;
+		if (m_toolName.empty())
+		{
+			m_leftOut.push_back("a hand, which `haptic_demos --scene` needs: add `hand`, with `device`, `tool` and `path`, or save while a "
+								"hand feels (--device ADDRESS --forces, F2)");
+			return;
+		}
 		Json path = Json::list();
 		for (const double time : {0.0, 3.0})
 		{

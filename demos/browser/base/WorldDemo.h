@@ -64,7 +64,7 @@ protected:
 	virtual double arrowLength() const = 0;
 	HandPull& hand() { return m_hand; }
 	/// Body that the hand of a saved scene holds; null: none.
-	virtual const btRigidBody* sceneTool() const { return m_hand.body(); }
+	virtual const btRigidBody* sceneTool() const { return m_ball ? m_ball : m_hand.body(); }
 
 private:
 	struct Part

@@ -2,6 +2,7 @@
 #include "demos/browser/base/SceneSaver.h"
 
 #include "BulletISTCollision/Registry/btISTConversion.h"
+#include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "TestSupport/SceneFiles/SceneWorld.h"
 #include "tests/EachDemo.h"
 
@@ -87,6 +88,24 @@ TEST(SceneSaver, AToolIsHeldByASimulatedHand)
 	EXPECT_LT(distance(hand.path[0].X_BM.translation, scene.value().bodies[hand.tool].X_BM.translation), 1e-9);
 }
 
+// A demo without a tool is felt by a ball, which is the tool of the scene.
+TEST(SceneSaver, TheBallOfAHandThatFeelsIsTheTool)
+{
+	const Folder folder;
+	const auto demo = ran("stack", 0);
+	const auto device = devicebridge::DeviceRegistry().open("sim:touch");
+	ASSERT_TRUE(device) << device.error().message;
+	const auto refused = demo->feelWith(*device.value(), 1);
+	ASSERT_FALSE(refused) << refused->message;
+	const auto leftOut = demo->saveScene(folder.file());
+	demo->stopFeeling();
+	ASSERT_TRUE(leftOut) << leftOut.error().message;
+	const auto scene = scenes::loadScene(folder.file());
+	ASSERT_TRUE(scene) << scene.error().message;
+	ASSERT_EQ(scene.value().hands.size(), 1u);
+	EXPECT_EQ(scene.value().bodies[scene.value().hands[0].tool].name, "ball of the hand");
+}
+
 // The trees of the screw are not along its principal axes, and it moves.
 TEST(SceneSaver, WhatCannotBeSavedLeavesNothing)
 {
@@ -120,6 +139,7 @@ TEST(SceneSaver, ABodyThatOnlyTurnsCountsAsMoving)
 	demo->worlds().front()->bodies().back().body->setAngularVelocity(btVector3(0, 1, 0));
 	const auto leftOut = demo->saveScene(folder.file());
 	ASSERT_TRUE(leftOut) << leftOut.error().message;
-	ASSERT_EQ(leftOut.value().size(), 1u);
-	EXPECT_EQ(leftOut.value().front().find("the velocities of bodies: 1 of them moved"), 0u) << leftOut.value().front();
+	ASSERT_EQ(leftOut.value().size(), 2u);
+	EXPECT_EQ(leftOut.value().front().find("a hand, which"), 0u) << leftOut.value().front();
+	EXPECT_EQ(leftOut.value().back().find("the velocities of bodies: 1 of them moved"), 0u) << leftOut.value().back();
 }
