@@ -15,13 +15,15 @@ namespace
 // Mean depth at which bodies rest, as a share of their size. The deepest point of a ball is twice as deep, that of a cone three times.
 constexpr double kDepthPerSize = 3e-4;
 constexpr double kSizePerThickness = 3;  // of a cube
-// Contact that is shallower than the errors of the surfaces feels them as bumps. Bodies with coarse facets may not rest deeper for that.
-constexpr double kDepthPerError = 2, kMostDepthPerSize = 1.5e-3;
+// Contact that is shallower than the errors of the surfaces feels them as bumps.
+constexpr double kDepthPerError = 2;
+// Largest mean depth that a weight may reach.
+constexpr double kMostDepthPerSize = 5e-3, kMostDepthPerThickness = 0.05;
 // Depth to which the weight alone presses a pair before it is known what else presses, and where. In a tight fit nothing presses, and a
 // stiff one would jam.
 constexpr double kFirstDepthPerSize = 1e-3;
 // Leaves reach beyond the surface: shallower contact has the force of their gaps.
-constexpr double kLeastDepthOfLeaves = 1e-3, kMostDepthOfLeaves = 5e-3, kMostDepthOfLeavesPerThickness = 0.05;
+constexpr double kLeastDepthOfLeaves = 1e-3;
 constexpr double kWaterDensity = 1000;  // [kg/m^3]
 // Nothing leaves contact faster than 1 / dissipation. Where gravity has larger numbers, as in a world of centimetres, so have speeds.
 constexpr double kGravityOfEarth = 9.81;  // [m/s^2]
@@ -63,13 +65,13 @@ double depthScale(const btISTContact& contact, double size) { return std::min(si
 /// Mean depth at which the pair shall rest [m].
 double aimedDepth(const btISTContact& contact, double size)
 {
+	const double depth = kDepthPerSize * depthScale(contact, size),
+				 most = std::min(kMostDepthPerSize * size, kMostDepthPerThickness * contact.thickness());
 	if (!pressesByLeaves(contact))
 	{
 		const double error = std::hypot(typicalError(contact.treeA.get()), typicalError(contact.treeB.get()));
-		const double scale = depthScale(contact, size);
-		return std::clamp(kDepthPerError * error, kDepthPerSize * scale, kMostDepthPerSize * scale);
+		return std::min(std::max(depth, kDepthPerError * error), most);
 	}
-	const double most = std::min(kMostDepthOfLeaves * size, kMostDepthOfLeavesPerThickness * contact.thickness());
 	const double gap = contact.treeA->errorLength() + (contact.treeB ? contact.treeB->errorLength() : 0);
 	return std::min(std::max(gap, kLeastDepthOfLeaves * size), most);
 }

@@ -88,9 +88,9 @@ public:
 /// The rule for bodies without materials (rules (a) and (d) of btContactMaterialTable). The stiffness follows from a depth. At first it
 /// is soft: the heavier dynamic body, with its weight on the square of the smaller body's size, sinks in by 0.1 % of that size, which is
 /// the cube root of the volume, or of three times the thinner body's thickness (ist::thicknessOf) if that is less. The solver raises k as
-/// soon as the bodies press on each other, until they rest at the mean depth `depth` (carryLoad in btContactLaw.h): twice the typical
-/// error of the two surfaces, within 0.03 % and 0.15 % of the same length. Where a body presses by its leaves, both depths are at least the
-/// sum of the mean surface gaps and 0.1 % of the size, and at most 0.5 % of it.
+/// soon as the bodies press on each other, until they rest at the mean depth `depth` (carryLoad in btContactLaw.h): 0.03 % of the same
+/// length, but at least twice the typical error of the two surfaces. Where a body presses by its leaves, both depths are at least the sum
+/// of the mean surface gaps and 0.1 % of the size, and at most 0.5 % of it.
 /// Weights are 1/2 each; on a half-space its field has all the weight. A body weighs its mass times its own gravity
 /// (btRigidBody::getGravity), or times `gravity` if it has none. If neither body can move, the load is the smaller body's weight in
 /// water's density. Dissipation is 5 s/m: no body leaves contact faster than 0.2 m/s, and half of the speed comes back at 0.3 m/s. Where

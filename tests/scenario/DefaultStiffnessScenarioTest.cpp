@@ -187,33 +187,6 @@ TEST(DefaultStiffness, AChainHangs)
 	}
 }
 
-// Facets of a coarse mesh make the surface uncertain, but bodies must not sink in for that.
-TEST(DefaultStiffness, CoarseRingsThatAreLaidOnEachOtherHardlySinkIn)
-{
-	constexpr double kRadius = .05, kTube = .02;
-	constexpr int kSides = 24, kCount = 4;
-	const Solid ring(ist::makeTorusMesh(kRadius, kTube, 48, kSides), 300);
-	// No body shall rest deeper than 0.5 % of its thickness there, or 0.2 % of its size if that is more.
-	const double most = std::max(5e-3 * 2 * kTube, 2e-3 * std::cbrt(ring.tree->volume)), sagitta = kTube * (1 - std::cos(M_PI / kSides));
-	for (const int rate : {60, 240})
-	{
-		Scene scene;
-		scene.addFloor();
-		std::vector<btRigidBody*> rings;
-		btCollisionShape* shape = scene.volumetricShape(ring);
-		for (int i = 0; i < kCount; ++i) rings.push_back(scene.add(shape, .2, 5e-4, at({0, kTube * (2 * i + 1), 0}, {M_PI / 2, 0, 0})));
-		scene.run(3, rate);
-		for (int i = 0; i < kCount; ++i)
-		{
-			// The surface of each body is within the sagitta of its mesh.
-			const double sunk = kTube * (i > 0 ? 2 : 1) - (height(rings[size_t(i)]) - (i > 0 ? height(rings[size_t(i) - 1]) : 0));
-			EXPECT_LT(sunk, most + (i > 0 ? 2 : 1) * sagitta) << rate << " Hz, ring " << i;
-			// The volume has a step of 1 % there, about which the upper ring moves to and fro by 0.3 um.
-			EXPECT_LT(double(rings[size_t(i)]->getLinearVelocity().length()), 1e-4) << rate << " Hz, ring " << i;
-		}
-	}
-}
-
 TEST(DefaultStiffness, FollowsTheGravityOfWorldAndOfBodies)
 {
 	const Solid cube = box({20, 20, 20}, 300);  // a world in centimetres
