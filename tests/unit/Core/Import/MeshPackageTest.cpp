@@ -271,6 +271,9 @@ TEST(MeshPackage, AFewLinesThatStateMoreThanAnyMemoryHoldsAreRefused)
 
 TEST(MeshPackage, OnlyArchivesNamed3mfAreHeldFor3mfFiles)
 {
+#ifdef BULLETHAPTICS_NO_ASSIMP
+	GTEST_SKIP() << "this build reads no archives of other names";
+#endif
 	const std::string archive = zipText({{"body.ifc", "ISO-10303-21;\nEND-ISO-10303-21;\n"}});
 	EXPECT_TRUE(meshFileHead("body.ifczip", archive));
 	EXPECT_TRUE(meshFileHead("body.IFCZIP", archive));

@@ -358,6 +358,7 @@ TEST(HeatMapFile, PlyAndTableCanBeReadByOthers)
 	EXPECT_EQ(row.rfind("R_Index3,43,", 0), 0u);
 	EXPECT_EQ(std::count(header.begin(), header.end(), ','), std::count(row.begin(), row.end(), ','));
 	EXPECT_TRUE(saveHeatMap(map, folder + "/none/map.ply"));
+	csv.close();  // Windows removes no file that is open
 	std::filesystem::remove_all(folder);
 }
 
