@@ -98,7 +98,8 @@ expect "participants are for studies" 2 "--participant goes with --study" "$demo
 expect "a study has no report" 2 "--study goes without --report" "${study[@]}" --participant 1 --report "$dir/x.html"
 expect "the device of a study has an address" 1 "hand.device: wants an address" \
 	"${study[@]}" --participant 9 --device sigma7
-expect "a session needs a hand" 1 "$dir/handless.json:1: hand: is missing: a session needs one, such as" "$demos" --scene "$dir/handless.json"
+expect "a session needs a hand" 1 "$dir/handless.json:1: hand: is missing: a session needs one, such as" \
+	"$demos" --scene "$dir/handless.json"
 expect "a missing file is named" 1 "$dir/none.json: cannot be read" "$demos" --scene "$dir/none.json"
 expect "a scene says all by itself" 2 "--scene goes without" "$demos" --scene "$dir/good.json" --spheres 10
 expect "a folder is no scene" 1 "$dir: cannot be read" "$demos" --scene "$dir"
