@@ -29,7 +29,7 @@ bool isPointer(const std::string& path)
 {
 	constexpr std::string_view kBegin = "version https://git-lfs.github.com/spec/";
 	char begin[kBegin.size()] = {};
-	std::ifstream(path, std::ios::binary).read(begin, sizeof begin);
+	std::ifstream(systemPath(path), std::ios::binary).read(begin, sizeof begin);
 	return std::string_view(begin, sizeof begin) == kBegin;
 }
 

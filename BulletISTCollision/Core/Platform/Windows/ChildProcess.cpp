@@ -20,10 +20,10 @@ std::wstring quoted(const std::wstring& argument)
 	std::size_t backslashes = 0;
 	for (const wchar_t c : argument)
 	{
-		backslashes = c == L'\\' ? backslashes + 1 : 0;
-		if (c == L'"') text.append(2 * std::exchange(backslashes, 0) + 1, L'\\');
+		// Backslashes before a quotation mark count double, and one more keeps the mark as it is.
+		if (c == L'"') text.append(backslashes + 1, L'\\');
 		text += c;
-		if (c == L'"') continue;
+		backslashes = c == L'\\' ? backslashes + 1 : 0;
 	}
 	return text.append(backslashes, L'\\') + L'"';
 }
