@@ -9,7 +9,7 @@ namespace devicebridge
 class DynamicLibrary
 {
 public:
-	/// Who finds the library's symbols. On Windows each program asks for them by the library's name, so that there is no difference.
+	/// Visibility of the library's symbols. It makes no difference on Windows, where programs ask for them by the library's name.
 	enum class Symbols
 	{
 		Own,    ///< only this object
