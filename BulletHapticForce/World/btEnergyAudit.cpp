@@ -122,7 +122,7 @@ void btEnergyAudit::enterForces(Body& entry, double h)
 	m_open.numerical -= energy(turned) - energy(damped);
 
 	const ist::Vec3 factor = toVec3(body.getLinearFactor()), g = entry.gravity;
-	const ist::Vec3 weight = mass * ist::Vec3{factor.x * g.x, factor.y * g.y, factor.z * g.z};
+	const ist::Vec3 weight = mass * componentProduct(factor, g);
 	const ist::Vec3 force = toVec3(body.getTotalForce()), torque = toVec3(body.getTotalTorque());
 	entry.pushed = turned;
 	entry.pushed.linear += (h / mass) * (weight + force);

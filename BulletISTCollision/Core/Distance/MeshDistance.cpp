@@ -155,7 +155,7 @@ Cluster MeshDistance::Implementation::clusterOf(const Child& child, uint32_t beg
 		const PreparedTriangle& t = triangles[i];
 		const Vec3 a = t.a - c.centroid;
 		const Vec3 n = t.normal * 0.5, m = a + (t.ab + t.ac) / 3;
-		c.momentDiagonal += {n.x * m.x, n.y * m.y, n.z * m.z};
+		c.momentDiagonal += componentProduct(n, m);
 		c.momentMixed += {n.y * m.z + n.z * m.y, n.z * m.x + n.x * m.z, n.x * m.y + n.y * m.x};
 		c.radius2 = std::max({c.radius2, squaredNorm(a), squaredNorm(a + t.ab), squaredNorm(a + t.ac)});
 	}

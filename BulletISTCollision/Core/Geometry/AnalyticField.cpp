@@ -35,7 +35,7 @@ struct MeanRadius
 	SymmetricMatrix3 bend(const Vec3& follows) const
 	{
 		if (!(length > 0)) return {};
-		const SymmetricMatrix3 n = SymmetricMatrix3::square({direction.x * follows.x, direction.y * follows.y, direction.z * follows.z});
+		const SymmetricMatrix3 n = SymmetricMatrix3::square(componentProduct(direction, follows));
 		return (SymmetricMatrix3{follows.x, follows.y, follows.z, 0, 0, 0} + n * -1.0) * (1 / length);
 	}
 };

@@ -19,7 +19,7 @@ ist::Vec3 angularMomentum(const btRigidBody* body, const ist::Vec3& inertia)
 {
 	const ist::Mat3 R = toPose(body->getWorldTransform()).rotation;
 	const ist::Vec3 w = ist::transpose(R) * toVec3(body->getAngularVelocity());
-	return R * ist::Vec3{inertia.x * w.x, inertia.y * w.y, inertia.z * w.z};
+	return R * componentProduct(inertia, w);
 }
 
 bool shoot(ExtremeWorld& world, const ExtremeSolid& cube, double speed, double h, double k, uint64_t seed, bool& finite)
