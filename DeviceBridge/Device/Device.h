@@ -109,6 +109,19 @@ enum DeviceFlag : unsigned
 	kReady = kCalibrated | kForcesEnabled | kHandPresent
 };
 
+/// The bits of kReady that are missing, in words: "not calibrated, no hand on it". Empty if none is.
+inline std::string describeMissing(unsigned flags)
+{
+	std::string all;
+	const auto add = [&](DeviceFlag flag, const char* what) {
+		if (!(flags & flag)) all += (all.empty() ? "" : ", ") + std::string(what);
+	};
+	add(kCalibrated, "not calibrated");
+	add(kForcesEnabled, "forces off at its switch");
+	add(kHandPresent, "no hand on it");
+	return all;
+}
+
 /// One sample of the hand. W is the device's world frame, H the frame of the handle.
 struct DeviceState
 {

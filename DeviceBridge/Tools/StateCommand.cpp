@@ -43,12 +43,8 @@ struct Watched
 			return "lost: " + (complaint.empty() ? std::string(describe(status)) : complaint);
 		}
 		if (!isRigid(state.X_WH)) return "lost: " + std::string(describe(DeviceStatus::InvalidState));
-		std::string all;
-		const auto add = [&](const char* what) { all += (all.empty() ? "" : ", ") + std::string(what); };
-		if (!(state.flags & kCalibrated)) add("not calibrated");
-		if (!(state.flags & kForcesEnabled)) add("forces off at its switch");
-		if (!(state.flags & kHandPresent)) add("no hand on it");
-		return all.empty() ? "ready" : all;
+		const std::string missing = describeMissing(state.flags);
+		return missing.empty() ? "ready" : missing;
 	}
 };
 

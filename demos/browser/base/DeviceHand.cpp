@@ -31,11 +31,24 @@ void DeviceHand::update(BrowsableDemo& demo, double scale)
 		return;
 	}
 	m_trouble.clear();
+	m_flags = state.flags;
 	const Pose X = state.X_WH;
 	// This works as a clutch: the hand may move freely while no body is held.
 	if (m_known && demo.grabTool())
 		demo.drag(scale * (X.translation - m_last.translation), rotationVector(quaternion(X.rotation * transpose(m_last.rotation))));
 	m_last = X;
 	m_known = true;
+}
+
+std::string DeviceHand::state() const
+{
+	if (!m_trouble.empty()) return m_trouble;
+	const std::string missing = devicebridge::describeMissing(m_flags);
+	if (missing.empty()) return "ready";
+	if (m_flags & devicebridge::kCalibrated) return missing;
+	const std::string& address = m_device->info().uri;
+	return missing +
+		(address.rfind("glove:", 0) == 0 ? ": run `devicebridge calibrate " + address + " -o FILE`"
+										 : ": move the handle to its stops, or run the calibration of its maker");
 }
 }  // namespace browser

@@ -22,6 +22,8 @@ public:
 	void update(BrowsableDemo& demo, double scale);
 	/// Reason why the device does not answer, in a sentence; empty while it answers.
 	const std::string& trouble() const { return m_trouble; }
+	/// State of the device in words: trouble(), or what of it is not ready and how to change that, or "ready".
+	std::string state() const;
 	/// Makes the next call start again, without a motion.
 	void forget() { m_known = false; }
 	devicebridge::Device& device() { return *m_device; }
@@ -31,6 +33,7 @@ private:
 	std::unique_ptr<devicebridge::Device> m_device;
 	ist::Pose m_last;
 	bool m_known = false;
+	unsigned m_flags = devicebridge::kReady;  // of the last sample
 	std::string m_trouble;
 };
 }  // namespace browser

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/view/Browser.h"
 
+#include "DeviceBridge/Drivers/Simulated/SimulatedProfile.h"
 #include "demos/browser/view/ChartView.h"
 
 #include <imgui.h>
@@ -96,6 +97,18 @@ void Browser::chooseDevice(const std::string& address, bool forces)
 	}
 	use(std::move(opened).value());
 	if (forces) feelForces();
+}
+
+void Browser::lookForDevices()
+{
+	m_found.clear();
+	for (const devicebridge::DriverReport& driver : devicebridge::DeviceRegistry().drivers())
+	{
+		if (driver.scheme == "sim")
+			for (const std::string& name : devicebridge::simulatedProfileNames()) m_found.push_back({"sim:" + name, driver.what, driver.missing});
+		else
+			m_found.push_back({driver.scheme + ":", driver.what, driver.missing});
+	}
 }
 
 void Browser::feelForces()

@@ -64,6 +64,10 @@ public:
 	/// Opens a device and uses it, or lets the present one go if the address is empty. `forces`: feelForces(). If it cannot be opened, the
 	/// present one stays, and the message says why.
 	void chooseDevice(const std::string& address, bool forces);
+	/// Asks each driver whether it has a device. The simulated ones are listed by name.
+	void lookForDevices();
+	/// As lookForDevices() found them; `scheme` is the address, which for files still needs its path.
+	const std::vector<devicebridge::DriverReport>& foundDevices() const { return m_found; }
 	/// From now on a hand at the device that is used feels the tools of demos, by a thread of its own.
 	void feelForces();
 	/// Mouse events on the scene. x and y are shares of the scene's width and height, from its upper left corner. `turns`: the modifier
@@ -130,7 +134,7 @@ private:
 	char m_search[64] = {};
 	char m_address[128] = "sim:sigma7";
 	bool m_wantsForces = true;
-	std::vector<devicebridge::DriverReport> m_drivers;  // as they were when the user looked for devices
+	std::vector<devicebridge::DriverReport> m_found;
 	double m_owed = 0, m_speed = 1, m_sceneLeft = 0, m_sceneWidth = 0, m_sceneHeight = 0;
 	double m_mouseX = 0, m_mouseY = 0, m_grip = 0;
 	ContactCacheChoice m_contactCache;

@@ -233,23 +233,28 @@ void Browser::drawDevices()
 	ImGui::SameLine();
 	if (ImGui::Button("let go")) chooseDevice("", false);
 	ImGui::SameLine();
-	if (ImGui::Button("look for devices")) m_drivers = devicebridge::DeviceRegistry().drivers();
+	if (ImGui::Button("look for devices")) lookForDevices();
 	if (m_device)
 	{
 		const devicebridge::DeviceInfo& info = m_device->device().info();
 		ImGui::TextWrapped(
 			"%s: %.3g N, %.3g N/m, workspace %.3g m", info.model.c_str(), info.peakForce, info.maxStiffness, info.workspaceRadius);
-		const std::string felt = m_demo ? m_demo->felt() : "", trouble = m_device->trouble();
-		ImGui::TextColored(trouble.empty() ? kGood : kBad, "%s",
-			!felt.empty()         ? felt.c_str()
-				: trouble.empty() ? "moves, without force"
-								  : trouble.c_str());
+		const std::string felt = m_demo ? m_demo->felt() : "", state = felt.empty() ? m_device->state() : felt;
+		ImGui::TextColored(felt.empty() && state != "ready" ? kBad : kGood, "%s",
+			state == "ready" ? "moves, without force" : state.c_str());
 	}
-	for (const devicebridge::DriverReport& driver : m_drivers)
+	for (const devicebridge::DriverReport& found : m_found)
 	{
-		ImGui::TextColored(driver.missing.empty() ? kGood : kQuiet, "%s:", driver.scheme.c_str());
+		const bool there = found.missing.empty();
+		ImGui::BeginDisabled(!there);
+		if (ImGui::SmallButton(found.scheme.c_str()))
+		{
+			std::snprintf(m_address, sizeof m_address, "%s", found.scheme.c_str());
+			chooseDevice(m_address, m_wantsForces);
+		}
+		ImGui::EndDisabled();
 		ImGui::SameLine();
-		ImGui::TextWrapped("%s", driver.missing.empty() ? driver.what.c_str() : driver.missing.c_str());
+		ImGui::TextWrapped("%s", there ? found.what.c_str() : found.missing.c_str());
 	}
 }
 }  // namespace browser

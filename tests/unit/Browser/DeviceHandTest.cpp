@@ -29,6 +29,7 @@ struct Scripted : devicebridge::Device
 	devicebridge::DeviceInfo own;
 	ist::Pose X;
 	bool answers = true;
+	unsigned flags = devicebridge::kReady;
 	const devicebridge::DeviceInfo& info() const noexcept override { return own; }
 	DeviceStatus open() noexcept override { return DeviceStatus::Ok; }
 	void close() noexcept override {}
@@ -36,6 +37,7 @@ struct Scripted : devicebridge::Device
 	{
 		if (!answers) return DeviceStatus::Disconnected;
 		state.X_WH = X;
+		state.flags = flags;
 		return DeviceStatus::Ok;
 	}
 	DeviceStatus write(const devicebridge::DeviceCommand&) noexcept override
@@ -80,6 +82,31 @@ TEST(DeviceHand, SaysThatItIsLostAndGoesOnWithoutALeap)
 	hand.update(demo, 1);
 	EXPECT_EQ(hand.trouble(), "");
 	EXPECT_EQ(norm(demo.shifted), 0);
+}
+
+TEST(DeviceHand, SaysWhatIsMissingAndHowToCalibrate)
+{
+	for (const char* address : {"dhd:0", "glove:/dev/ttyUSB0"})
+	{
+		auto owned = std::make_unique<Scripted>();
+		Scripted& device = *owned;
+		device.own.uri = address;
+		DeviceHand hand(std::move(owned));
+		Held demo;
+		hand.update(demo, 1);
+		EXPECT_EQ(hand.state(), "ready");
+		device.flags = devicebridge::kCalibrated;
+		hand.update(demo, 1);
+		EXPECT_EQ(hand.state(), "forces off at its switch, no hand on it");
+		device.flags = devicebridge::kForcesEnabled | devicebridge::kHandPresent;
+		hand.update(demo, 1);
+		EXPECT_EQ(hand.state().rfind("not calibrated: ", 0), 0U) << hand.state();
+		const bool isGlove = device.own.uri[0] == 'g';
+		EXPECT_EQ(hand.state().find("devicebridge calibrate glove:/dev/ttyUSB0 -o FILE") != std::string::npos, isGlove) << hand.state();
+		device.answers = false;
+		hand.update(demo, 1);
+		EXPECT_EQ(hand.state(), hand.trouble());
+	}
 }
 
 TEST(DeviceHand, NamesADeviceThatIsNotThere)
