@@ -105,9 +105,9 @@ void Browser::lookForDevices()
 	for (const devicebridge::DriverReport& driver : devicebridge::DeviceRegistry().drivers())
 	{
 		if (driver.scheme == "sim")
-			for (const std::string& name : devicebridge::simulatedProfileNames()) m_found.push_back({"sim:" + name, driver.what, driver.missing});
-		else
-			m_found.push_back({driver.scheme + ":", driver.what, driver.missing});
+			for (const std::string& name : devicebridge::simulatedProfileNames())
+				m_found.push_back({"sim:" + name, driver.what, driver.missing});
+		else m_found.push_back({driver.scheme + ":", driver.what, driver.missing});
 	}
 }
 

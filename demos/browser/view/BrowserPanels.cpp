@@ -240,8 +240,8 @@ void Browser::drawDevices()
 		ImGui::TextWrapped(
 			"%s: %.3g N, %.3g N/m, workspace %.3g m", info.model.c_str(), info.peakForce, info.maxStiffness, info.workspaceRadius);
 		const std::string felt = m_demo ? m_demo->felt() : "", state = felt.empty() ? m_device->state() : felt;
-		ImGui::TextColored(felt.empty() && state != "ready" ? kBad : kGood, "%s",
-			state == "ready" ? "moves, without force" : state.c_str());
+		ImGui::TextColored(
+			felt.empty() && state != "ready" ? kBad : kGood, "%s", state == "ready" ? "moves, without force" : state.c_str());
 	}
 	for (const devicebridge::DriverReport& found : m_found)
 	{
