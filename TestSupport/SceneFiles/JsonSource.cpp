@@ -2,6 +2,7 @@
 #include "TestSupport/SceneFiles/JsonSource.h"
 
 #include "BulletISTCollision/Core/Platform/Utf8Path.h"
+#include "BulletISTCollision/Json/EditDistance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -216,7 +217,10 @@ bool JsonFields::has(const std::string& name) { return find(name) != nullptr; }
 
 void JsonFields::need(const std::string& name)
 {
-	if (!m_problem && !has(name)) refuse(name, "is missing");
+	if (m_problem || has(name)) return;
+	for (const auto& [other, value] : m_object.fields())
+		if (ist::editDistance(other, name) <= name.size() / 3) return refuse(other, "no such field is known here; is " + name + " meant?");
+	refuse(name, "is missing");
 }
 
 double JsonFields::number(const std::string& name, double otherwise, double least, double most)

@@ -216,6 +216,7 @@ TEST(SceneFile, EveryMistakeIsRefusedWithLineAndField)
 		{"\"tool\": \"tool\",", "\"tool\": \"floor\",", "s.json:29: hand.tool: wants a body with an asset; floor has none"},
 		{"\"tool\": \"tool\",", "\"tool\": \"two\",", "s.json:29: hand.tool: two is fixed"},
 		{"\"tool\": \"tool\",", "", "s.json:27: hand.tool: is missing"},
+		{"\"tool\": \"tool\",", "\"tol\": \"tool\",", "s.json:29: hand.tol: no such field is known here; is tool meant?"},
 		{"\"turn\": [0, 0, 45]", "\"turn\": 45", "s.json:31: hand.origin.turn: wants three numbers"},
 		{"\"softContact\": 4", "\"softContact\": 0.5", "s.json:32: hand.coupling.softContact: wants a number from"},
 		{"\"maxForce\": 5", "\"maxForce\": -5", "s.json:32: hand.coupling.maxForce: wants a number from"},
