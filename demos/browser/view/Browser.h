@@ -66,7 +66,7 @@ public:
 	void chooseDevice(const std::string& address, bool forces);
 	/// Asks each driver whether it has a device. The simulated ones are listed by name.
 	void lookForDevices();
-	/// As lookForDevices() found them; `scheme` is the address, which for files still needs its path.
+	/// What lookForDevices() found. `scheme` holds the address; that of a file still needs its path.
 	const std::vector<devicebridge::DriverReport>& foundDevices() const { return m_found; }
 	/// From now on a hand at the device that is used feels the tools of demos, by a thread of its own.
 	void feelForces();
