@@ -19,6 +19,11 @@ for argument in "$@"; do
 	esac
 done
 
+if [ -n "$within" ] && [ $which != all ]; then
+	echo "test.sh: --within goes with --all" >&2
+	exit 2
+fi
+
 scope=tests
 [ $which != windows ] || scope=windows
 bash cmake/setup.sh $scope "${options[@]}"

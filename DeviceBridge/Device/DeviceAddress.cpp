@@ -80,4 +80,11 @@ std::string DeviceAddress::leftOver() const
 	for (const auto& entry : m_options) names += (names.empty() ? "" : ", ") + entry.first;
 	return "This device knows no option " + names;
 }
+
+std::string howToCalibrate(const std::string& address)
+{
+	if (address.rfind("glove:", 0) == 0) return "run `devicebridge calibrate " + address + " -o FILE`";
+	return "run the calibration of its maker, or move the handle as the maker says; `devicebridge state --watch " + address +
+		"` says when it is done";
+}
 }  // namespace devicebridge

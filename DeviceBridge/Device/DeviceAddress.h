@@ -31,4 +31,7 @@ private:
 	std::string m_path;
 	std::map<std::string, std::string> m_options;
 };
+
+/// How the device at an address is calibrated, as an order to a person. Gloves have a command of their own.
+std::string howToCalibrate(const std::string& address);
 }  // namespace devicebridge

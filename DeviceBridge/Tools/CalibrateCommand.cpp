@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "BulletISTCollision/Core/Asset/AtomicFile.h"
+#include "DeviceBridge/Device/DeviceAddress.h"
 #include "DeviceBridge/Drivers/Glove/GloveLink.h"
 #include "DeviceBridge/Tools/Commands.h"
 
@@ -46,9 +47,7 @@ int runCalibrate(const RunArguments& arguments)
 {
 	const std::string scheme = "glove:";
 	if (arguments.uri.compare(0, scheme.size(), scheme) != 0)
-		return fail("only gloves are calibrated here (glove:/dev/ttyUSB0). Other devices are calibrated by their maker's program, or while "
-					"the handle is moved as the maker says; `devicebridge state --watch " +
-			arguments.uri + "` says when");
+		return fail("only gloves are calibrated here (glove:/dev/ttyUSB0). For others, " + howToCalibrate(arguments.uri));
 	auto settings = gloveSettings(arguments.uri.substr(scheme.size()));
 	if (!settings) return fail(settings.error().message);
 	GloveLink glove(std::move(settings).value(), arguments.uri);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/base/DeviceHand.h"
 
+#include "DeviceBridge/Device/DeviceAddress.h"
 #include "DeviceBridge/Drivers/DeviceRegistry.h"
 
 #include <chrono>
@@ -46,9 +47,6 @@ std::string DeviceHand::state() const
 	const std::string missing = devicebridge::describeMissing(m_flags);
 	if (missing.empty()) return "ready";
 	if (m_flags & devicebridge::kCalibrated) return missing;
-	const std::string& address = m_device->info().uri;
-	return missing +
-		(address.rfind("glove:", 0) == 0 ? ": run `devicebridge calibrate " + address + " -o FILE`"
-										 : ": move the handle to its stops, or run the calibration of its maker");
+	return missing + ": " + devicebridge::howToCalibrate(m_device->info().uri);
 }
 }  // namespace browser

@@ -444,18 +444,16 @@ TEST(Browser, ListsAddressesThatOpen)
 	START_OR_SKIP(rig);
 	rig.browser->open("bunny");
 	rig.browser->lookForDevices();
-	size_t simulated = 0, missing = 0;
+	size_t simulated = 0;
 	for (const devicebridge::DriverReport& found : rig.browser->foundDevices())
 	{
 		EXPECT_EQ(std::count(found.scheme.begin(), found.scheme.end(), ':'), 1) << found.scheme;
-		if (!found.missing.empty()) ++missing;
 		if (found.scheme.rfind("sim:", 0) != 0) continue;
 		rig.browser->chooseDevice(found.scheme, false);
 		EXPECT_EQ(rig.browser->message(), "") << found.scheme;
 		++simulated;
 	}
 	EXPECT_GE(simulated, 5U);
-	EXPECT_GE(missing, 1U);  // no vendor's device is plugged in
 }
 
 TEST(Browser, SavesWhatItShowsAsASceneFile)
