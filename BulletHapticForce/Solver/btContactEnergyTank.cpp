@@ -15,6 +15,8 @@ constexpr double kLeastPressure = 0.5;
 /// Share of the energy of the model that bodies placed inside one another may use, where no stiffness was set: enough to come apart.
 constexpr double kShareOfBegin = 0.1;
 constexpr double kPartingSpeed = 0.3;  // at which such bodies leave each other [m/s]
+constexpr double kShallow = 3;         // times the aimed depth, up to which a contact may always return the energy of its depth
+constexpr double kCreepTime = 0.1;     // in which what is deeper comes out [s]
 
 double work(const ist::Wrench& impulse, const ist::Twist& twist)
 {
@@ -41,8 +43,8 @@ double capacity(const btISTContact& contact)
 	}
 	return sum;
 }
-/// Energy that lifts the load by the depth of the contact and lets the lighter body leave at kPartingSpeed [J].
-double energyToPart(const btISTContact& contact, double depth)
+/// Mass of the lighter body that can move [kg].
+double lighterMass(const btISTContact& contact)
 {
 	double lighter = std::numeric_limits<double>::infinity();
 	for (const btCollisionObject* object : {contact.bodyA, contact.bodyB})
@@ -50,7 +52,26 @@ double energyToPart(const btISTContact& contact, double depth)
 		const btRigidBody* body = btRigidBody::upcast(object);
 		if (body && body->getInvMass() > 0) lighter = std::min(lighter, 1 / double(body->getInvMass()));
 	}
-	return contact.constants.load * depth + lighter * kPartingSpeed * kPartingSpeed;
+	return lighter;
+}
+
+/// Energy that lifts the load by the depth of the contact and lets the lighter body leave at kPartingSpeed [J].
+double energyToPart(const btISTContact& contact, double depth)
+{
+	return contact.constants.load * depth + lighterMass(contact) * kPartingSpeed * kPartingSpeed;
+}
+
+/// Energy that a contact whose stiffness follows from a load has in any case [J]. Near the depth at which it rests, it is the linear
+/// energy of that depth: work that bodies do while they shake by less than that is hardly known, and a contact that holds nothing lets
+/// them shake on. A deeper one may lift what presses on it and move the lighter body so fast that it comes out in kCreepTime.
+double leastStored(const btISTContact& contact, double most, double h)
+{
+	const btISTPairConstants& c = contact.constants;
+	if (!(c.load > 0)) return 0;
+	const double beyond = ist::meanDepth(contact.total) - kShallow * c.depth;
+	if (!(beyond > 0)) return 0.5 * most;
+	const double speed = beyond / kCreepTime;
+	return std::min(std::max(norm(contact.pressed), c.load) * speed * h + 0.5 * lighterMass(contact) * speed * speed, 0.5 * most);
 }
 
 /// True when the force has reversed since the last step in which it had one direction. Patches that push against each other have no
@@ -83,7 +104,7 @@ bool btContactEnergyTank::begin(btISTContact& contact, double speed, double h)
 	{
 		// What a long step took beyond what the overlap can hold is damped, too.
 		tank.damped = std::min(tank.damped + std::max(tank.stored - most, 0.0), most);
-		tank.stored = std::min(tank.stored, most);
+		tank.stored = std::clamp(tank.stored, leastStored(contact, most, h), most);
 		return turned;
 	}
 	const double depth = ist::meanDepth(contact.total);

@@ -16,6 +16,10 @@ using namespace btSolverBodyMotion;
 namespace
 {
 constexpr double kCentralWay = 0.25;  // share of the thinner body that is left of a step after the first touch
+constexpr int kMostLinearisations = 4;
+constexpr double kFarthest = 0.1;         // share of the thinner body behind the touch, up to which a contact is linearised
+constexpr int kMostSoftenings = 2;        // of contacts whose tanks hold less energy than they would return
+constexpr double kWorthSoftening = 0.99;  // share of a contact's impulses from which on it is not softened
 }  // namespace
 
 void btVolumetricIslands::reserve(size_t contacts)
@@ -197,6 +201,7 @@ void btVolumetricIslands::waitForTouch(const btSolverBody* bodies)
 		if (!(ahead > 0)) continue;
 		const double left = (m_step - ahead) * -dot(freeTwist(e, bodies).linear, e.patch.normal);
 		if (left > kCentralWay * e.contact->thickness()) centre(e, bodies);
+		e.patch.gap = ahead * -dot(freeTwist(e, bodies).linear, e.patch.normal);
 		e.patch.wrench = e.patch.wrench + ahead * (e.patch.stiffness * freeTwist(e, bodies));
 	}
 }
@@ -323,7 +328,7 @@ void btVolumetricIslands::fill(Block& block, const Island& island, const btSolve
 		addJointRows(block, m_joints[size_t(i)], bodies);
 	}
 	block.free.resize(block.bodies.size());
-	block.joints.resize(block.bodies.size());
+	block.impulses.resize(block.bodies.size());
 }
 
 void btVolumetricIslands::makeRows(const Island& island, const btSolverBody* bodies)
@@ -369,22 +374,85 @@ double btVolumetricIslands::solve(Block& block, btSolverBody* bodies)
 		takeBack(e.bodyB, -1.0 * e.impulse, e.patch.point);
 	}
 	takeBackJoints(block, bodies);
-	if (!block.solver.solve(block.free.data())) ++m_statistics.blocksNotFactorised;
-	m_statistics.activeSetRounds += uint64_t(block.solver.rounds());
+	for (int linearisations = 1;; ++linearisations)
+	{
+		if (!block.solver.solve(block.free.data())) ++m_statistics.blocksNotFactorised;
+		m_statistics.activeSetRounds += uint64_t(block.solver.rounds());
+		if (linearisations == kMostLinearisations || !relinearise(block)) break;
+	}
 	m_statistics.frictionNotConverged += block.solver.frictionNotConverged();
-	double residual = block.jointRows.empty() ? 0 : applyJoints(block, bodies);
+	// They are summed in double precision: those of patches that press against each other are larger than what they leave of each other.
+	std::fill(block.impulses.begin(), block.impulses.end(), ist::Wrench());
+	double residual = sumJoints(block, bodies);
+	const auto add = [&](int body, const ist::Wrench& impulse, const ist::Vec3& point) {
+		if (!canMove(bodies[body])) return;
+		const ist::Vec3 lever = point - toVec3(bodies[body].getWorldTransform().getOrigin());
+		ist::Wrench& sum = block.impulses[size_t(m_indexInBlock[size_t(body)])];
+		sum = sum + ist::Wrench{impulse.force, impulse.torque + cross(lever, impulse.force)};
+	};
 	for (size_t k = 0; k < block.entries.size(); ++k)
 	{
 		Entry& e = m_entries[size_t(block.entries[k])];
 		const ist::Wrench impulse = block.solver.impulse(int(k)), change = impulse - e.impulse;
-		applyImpulse(bodies[e.bodyA], change, e.patch.point);
-		applyImpulse(bodies[e.bodyB], -1.0 * change, e.patch.point);
+		add(e.bodyA, change, e.patch.point);
+		add(e.bodyB, -1.0 * change, e.patch.point);
 		e.impulse = impulse;
 		e.elastic = block.solver.elasticImpulse(int(k));
 		e.normalImpulse = block.solver.normalImpulse(int(k));
 		residual = std::max(residual, dot(change.force, change.force));
 	}
+	for (size_t b = 0; b < block.bodies.size(); ++b)
+	{
+		btSolverBody& body = bodies[block.bodies[b]];
+		applyImpulse(body, block.impulses[b], toVec3(body.getWorldTransform().getOrigin()));
+	}
 	return residual;
+}
+
+/// Linearises curved contacts again where the solution takes them: one that only just touches has next to no stiffness, and would let a
+/// body fall freely for a whole step. Contact whose stiffness was given keeps the linearisation of the step's beginning, which the closed
+/// forms of docs/stability.md are for. Returns true if there is something to solve again.
+bool btVolumetricIslands::relinearise(Block& block) const
+{
+	bool changed = false;
+	for (size_t k = 0; k < block.entries.size(); ++k)
+	{
+		const Entry& e = m_entries[size_t(block.entries[k])];
+		if (!(e.contact->constants.load > 0)) continue;
+		if (block.solver.relinearise(int(k), e.patch, kFarthest * e.contact->thickness(), m_step)) changed = true;
+	}
+	return changed;
+}
+
+/// Softens every contact that would return more energy than its tank holds, so that the others of the island can bear what it does not.
+/// Returns true if there was one.
+bool btVolumetricIslands::softenToEnergyTanks(const Island& island, const btSolverBody* bodies)
+{
+	for (const int body : m_passing.bodies) m_change[size_t(body)] = ist::Twist();
+	for (const int i : m_passing.entries) addChange(m_entries[size_t(i)], m_entries[size_t(i)].impulse, bodies);
+	bool softened = false;
+	btEnergyTankPatch patches[btISTContact::kMaxPatches];
+	forEachContact(island, [&](size_t first, int count) {
+		gatherEnergyTank(first, count, bodies, Own::Contact, patches);
+		const double stored = m_entries[first].contact->tank.stored;
+		const double share = btContactEnergyTank::share(btContactEnergyTank::scaledWork(patches, count), stored);
+		if (!(share < kWorthSoftening)) return;
+		for (size_t i = first; i < first + size_t(count); ++i) multiply(m_entries[i].patch, share);
+		softened = true;
+	});
+	return softened;
+}
+
+/// Solves an island whose bodies no other row moves.
+void btVolumetricIslands::solveOnce(const Island& island, btSolverBody* bodies, double& residual)
+{
+	for (int softenings = 0;; ++softenings)
+	{
+		fill(m_passing, island, bodies);
+		residual = std::max(residual, solve(m_passing, bodies));
+		if (softenings == kMostSoftenings || !softenToEnergyTanks(island, bodies)) return;
+		for (const int body : m_passing.bodies) m_indexInBlock[size_t(body)] = -1;
+	}
 }
 
 double btVolumetricIslands::iterate(btSolverBody* bodies, int iteration)
@@ -394,11 +462,7 @@ double btVolumetricIslands::iterate(btSolverBody* bodies, int iteration)
 	for (Row& r : m_rows) residual = std::max(residual, solve(r, bodies));
 	if (iteration > 0) return residual;
 	for (const Island& island : m_islands)
-	{
-		if (island.touched || !fitsBlock(island)) continue;
-		fill(m_passing, island, bodies);
-		residual = std::max(residual, solve(m_passing, bodies));
-	}
+		if (!island.touched && fitsBlock(island)) solveOnce(island, bodies, residual);
 	return residual;
 }
 

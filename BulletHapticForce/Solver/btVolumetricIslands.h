@@ -96,7 +96,7 @@ private:
 		std::vector<int> bodies, entries;
 		std::vector<btSolverConstraint*> jointRows;
 		std::vector<ist::Twist> free;
-		std::vector<ist::Wrench> joints;  // change of the joints' impulses on each body, about its centre of mass
+		std::vector<ist::Wrench> impulses;  // change of the impulses on each body, about its centre of mass
 	};
 	struct Row
 	{
@@ -111,7 +111,7 @@ private:
 	void takeJoints(const btSolverBody* bodies);
 	void addJointRows(Block& block, const Joint& joint, const btSolverBody* bodies);
 	void takeBackJoints(Block& block, const btSolverBody* bodies) const;
-	double applyJoints(Block& block, btSolverBody* bodies);
+	double sumJoints(Block& block, const btSolverBody* bodies) const;
 	void findIslands(const btSolverBody* bodies, const std::vector<int>& touched);
 	void weigh(const btSolverBody* bodies);
 	static ist::Twist freeTwist(const Entry& e, const btSolverBody* bodies);
@@ -126,6 +126,9 @@ private:
 	void fill(Block& block, const Island& island, const btSolverBody* bodies);
 	void makeRows(const Island& island, const btSolverBody* bodies);
 	double solve(Block& block, btSolverBody* bodies);
+	bool relinearise(Block& block) const;
+	void solveOnce(const Island& island, btSolverBody* bodies, double& residual);
+	bool softenToEnergyTanks(const Island& island, const btSolverBody* bodies);
 	double solve(Row& row, btSolverBody* bodies);
 	void addChange(const Entry& e, const ist::Wrench& impulse, const btSolverBody* bodies);
 	enum class Own

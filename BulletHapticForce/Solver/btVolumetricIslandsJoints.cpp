@@ -138,11 +138,10 @@ void btVolumetricIslands::addJointRows(Block& block, const Joint& joint, const b
 	}
 }
 
-/// Writes the impulses of the joints into Bullet's rows, and their changes into the bodies.
-double btVolumetricIslands::applyJoints(Block& block, btSolverBody* bodies)
+/// Writes the impulses of the joints into Bullet's rows, and adds their changes to those of the block.
+double btVolumetricIslands::sumJoints(Block& block, const btSolverBody* bodies) const
 {
 	double residual = 0;
-	std::fill(block.joints.begin(), block.joints.end(), ist::Wrench());
 	for (size_t i = 0; i < block.jointRows.size(); ++i)
 	{
 		btSolverConstraint& c = *block.jointRows[i];
@@ -150,15 +149,10 @@ double btVolumetricIslands::applyJoints(Block& block, btSolverBody* bodies)
 		const double change = double(impulse) - double(btScalar(c.m_appliedImpulse));
 		c.m_appliedImpulse = impulse;
 		forEachSide(c, bodies, [&](int side, int body) {
-			ist::Wrench& sum = block.joints[size_t(m_indexInBlock[size_t(body)])];
+			ist::Wrench& sum = block.impulses[size_t(m_indexInBlock[size_t(body)])];
 			sum = sum + change * pushOf(c, side);
 		});
 		residual = std::max(residual, change * change);
-	}
-	for (size_t b = 0; b < block.bodies.size(); ++b)
-	{
-		btSolverBody& body = bodies[block.bodies[b]];
-		applyImpulse(body, block.joints[b], toVec3(body.getWorldTransform().getOrigin()));
 	}
 	return residual;
 }
