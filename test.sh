@@ -6,7 +6,8 @@
 #   --all: everything that CI runs: both precisions, demos, consumers, each header by itself, and the sanitizers;
 #     the tests labelled "long" stay out
 #   --within: leaves out, and says so, a sanitizer that might not end in that time, as without a compiler cache
-#   --windows: the libraries, commands and tests for Windows, built by mingw-w64 and run under Wine; an hour on two cores
+#   --windows: the libraries, commands and tests for Windows, built by mingw-w64 and run under Wine, and a zip with DLLs, used from where it
+#     was unpacked; an hour or two on two cores
 set -euo pipefail
 cd "$(dirname "$0")"
 
@@ -46,6 +47,8 @@ if [ $which = all ]; then
 	done
 elif [ $which = windows ]; then
 	run windows-mingw
+	cmake -DSOURCE="$PWD" -DWORK="$PWD/build/windows-zip" -DLAUNCHER="$(command -v ccache || true)" \
+		-P tests/consumer/windows_zip/RunWindowsZip.cmake
 else
 	run quick
 	echo "These were the quick tests. Run the rest with ./test.sh --all (more than an hour on two cores)." \

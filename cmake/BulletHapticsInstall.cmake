@@ -7,7 +7,8 @@ include(CMakePackageConfigHelpers)
 function(bullethaptics_export export)
 	install(TARGETS ${ARGN} EXPORT ${export}
 		ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
-		LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT dev)
+		LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime NAMELINK_COMPONENT dev
+		RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
 	install(EXPORT ${export} NAMESPACE BulletHaptics:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/BulletHaptics COMPONENT dev)
 endfunction()
 set_target_properties(devices PROPERTIES OUTPUT_NAME BulletHapticsDevices)

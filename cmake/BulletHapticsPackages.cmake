@@ -1,7 +1,12 @@
 # SPDX-License-Identifier: Zlib
+# For Windows a zip (BulletHapticsZip.cmake), else
 # Debian packages: cmake --preset package && cmake --build --preset package && cpack --config build/package/CPackConfig.cmake
 # The packages are libbullethaptics0.2 (shared libraries, both precisions beside each other), libbullethaptics-dev, bullethaptics-tools,
 # bullethaptics-demos and python3-bullethaptics.
+if(WIN32)
+	include(cmake/BulletHapticsZip.cmake)
+	return()
+endif()
 if(NOT BUILD_SHARED_LIBS OR NOT UNIX OR NOT BULLETHAPTICS_BULLET)
 	return()
 endif()

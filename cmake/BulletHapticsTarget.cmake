@@ -11,7 +11,7 @@ function(bullethaptics_target target)
 	endif()
 	if(kind STREQUAL "SHARED_LIBRARY")
 		set_target_properties(${target} PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
-		if(UNIX AND NOT APPLE)
+		if((UNIX AND NOT APPLE) OR MINGW)
 			set(hidden ${PROJECT_SOURCE_DIR}/cmake/hidden.map)
 			target_link_options(${target} PRIVATE -Wl,--version-script=${hidden})
 			set_property(TARGET ${target} APPEND PROPERTY LINK_DEPENDS ${hidden})
@@ -20,7 +20,12 @@ function(bullethaptics_target target)
 	# The same sums on every compiler: packings and trees must not depend on which one contracts a*b+c.
 	# -Wrestrict is wrong about std::string in GCC 12 (GCC bug 105651). Clang 17 and later report a deprecated function that libstdc++ 12
 	# itself calls in std::stable_sort.
-	target_compile_options(${target} PRIVATE -Wall -Wextra -ffp-contract=off -fno-math-errno
+	# clang-cl takes options in Visual Studio's spelling, and clang's own behind /clang:.
+	set(options -Wall -Wextra -ffp-contract=off -fno-math-errno)
+	if(MSVC)
+		set(options /W4 /EHsc /bigobj /utf-8 /clang:-ffp-contract=off /clang:-fno-math-errno)
+	endif()
+	target_compile_options(${target} PRIVATE ${options}
 		$<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
 		$<$<AND:$<CXX_COMPILER_ID:Clang>,$<VERSION_GREATER_EQUAL:$<CXX_COMPILER_VERSION>,17>>:-Wno-deprecated-declarations>
 		$<$<NOT:$<BOOL:${BULLETHAPTICS_OPENMP}>>:-Wno-unknown-pragmas>

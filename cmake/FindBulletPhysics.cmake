@@ -20,7 +20,8 @@ function(_bulletphysics_names library symbol result)
 	set(${result} ${named} PARENT_SCOPE)
 endfunction()
 
-# The library `name`, found with these options, is BulletDynamics unless its scalar is `other` (f or d, as compilers write it).
+# The library `name`, found with these options, is BulletDynamics unless its scalar is `other` (f or d, as compilers write it; M and N are
+# what Visual Studio writes).
 function(_bulletphysics_try component other name)
 	if(DEFINED BulletPhysics_${component}_BulletDynamics)
 		return()
@@ -30,7 +31,10 @@ function(_bulletphysics_try component other name)
 	if(NOT library)
 		return()
 	endif()
-	_bulletphysics_names("${library}" "btDiscreteDynamicsWorld14stepSimulationE${other}i" is_other)
+	set(visual_studio_f M)
+	set(visual_studio_d N)
+	_bulletphysics_names("${library}"
+		"btDiscreteDynamicsWorld14stepSimulationE${other}i|stepSimulation@btDiscreteDynamicsWorld@@UEAAH${visual_studio_${other}}H" is_other)
 	if(NOT is_other)
 		set(BulletPhysics_${component}_BulletDynamics "${library}" CACHE FILEPATH "")
 	endif()
@@ -67,7 +71,8 @@ function(_bulletphysics_component component other)
 		endif()
 	endforeach()
 
-	_bulletphysics_names("${BulletPhysics_${component}_LinearMath}" "btThreadSupportInterface6create" threadsafe)
+	_bulletphysics_names("${BulletPhysics_${component}_LinearMath}"
+		"btThreadSupportInterface6create|create@btThreadSupportInterface" threadsafe)
 	set(BulletPhysics_${component}_FOUND TRUE PARENT_SCOPE)
 	set(BulletPhysics_${component}_THREADSAFE ${threadsafe} PARENT_SCOPE)
 	if(TARGET BulletPhysics::${component})

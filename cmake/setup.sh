@@ -8,7 +8,7 @@
 #   tests     for all tests but those labelled "long", the Python module and the documentation, too (default)
 #   release   for the tests labelled "long", too, as far as Debian has what they need
 #   windows   for the libraries, commands and tests for Windows (preset windows-mingw) alone. It also builds Bullet,
-#             assimp and GoogleTest for Windows, from Debian's sources, into ~/.cache/bullethaptics/windows (a quarter of an hour, once)
+#             assimp and GoogleTest for Windows, from Debian's sources, into ~/.cache/bullethaptics/windows (half an hour, once)
 #   --yes     do not ask
 set -euo pipefail
 

@@ -16,10 +16,12 @@ set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 foreach(kind LIBRARY INCLUDE PACKAGE)
 	set(CMAKE_FIND_ROOT_PATH_MODE_${kind} ONLY)
 endforeach()
-# The libraries of the compiler are in the program, so that it runs on a machine without them.
-foreach(kind EXE SHARED MODULE)
-	set(CMAKE_${kind}_LINKER_FLAGS_INIT -static)
-endforeach()
+# The libraries of the compiler are in the program, so that it runs on a machine without them. Shared libraries share those, too.
+if(NOT BUILD_SHARED_LIBS)
+	foreach(kind EXE SHARED MODULE)
+		set(CMAKE_${kind}_LINKER_FLAGS_INIT -static)
+	endforeach()
+endif()
 # Otherwise the assembler finds too many sections in tests with many templates.
 set(CMAKE_CXX_FLAGS_INIT -Wa,-mbig-obj)
 find_program(BULLETHAPTICS_WINE NAMES wine64 PATHS /usr/lib/wine)

@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/Base/SpinPause.h"
 #include "BulletISTCollision/Core/Base/SteadyTime.h"
 #include "BulletISTCollision/Core/Base/ThreadTime.h"
+#include "BulletISTCollision/Core/Platform/AtomicWait.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 
 #include "BulletCollision/BroadphaseCollision/btDispatcher.h"
@@ -33,7 +34,7 @@ btISTQueryThreads::~btISTQueryThreads()
 {
 	m_stop = true;
 	++m_turn;
-	m_turn.notify_all();
+	ist::wakeAll(m_turn);
 	for (const auto& helper : m_helpers) helper->thread.join();
 }
 
@@ -128,7 +129,7 @@ void btISTQueryThreads::answerShared(ist::QueryWorkspace& own)
 	m_next.store(0, std::memory_order_relaxed);
 	m_open.store(true, std::memory_order_seq_cst);
 	m_turn.fetch_add(1, std::memory_order_seq_cst);
-	m_turn.notify_all();
+	ist::wakeAll(m_turn);
 	double longest = kShortestWait;
 	for (int i; (i = m_next.fetch_add(1, std::memory_order_relaxed)) < m_count;)
 	{
@@ -226,7 +227,7 @@ void btISTQueryThreads::loop(Helper& helper)
 	{
 		const double start = ist::steadyMicroseconds();
 		while (m_turn.load(std::memory_order_seq_cst) == seen && ist::steadyMicroseconds() - start < m_spin) ist::spinPause();
-		m_turn.wait(seen, std::memory_order_seq_cst);
+		ist::waitWhile(m_turn, seen);
 		seen = m_turn.load(std::memory_order_seq_cst);
 		if (m_stop) return;
 		// The helper sets `working` before it reads `m_open`; the owner closes `m_open` before it reads `working`. So at least one of the

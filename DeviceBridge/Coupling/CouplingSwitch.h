@@ -31,7 +31,7 @@ public:
 		if (!m_was) begin(hand, tool, dt);
 		m_was = true;
 		if (m_time >= m_duration) return true;
-		const double u = m_time / m_duration, w = std::min(1.0, m_time / kShortest);
+		const double u = m_time / m_duration, w = (std::min)(1.0, m_time / kShortest);
 		// Hermite basis of the offset and of its velocity at time 0, and the derivatives of both.
 		const double a = 1 + u * u * (2 * u - 3), b = kShortest * w * (1 - w) * (1 - w);
 		const double da = 6 * u * (u - 1) / m_duration, db = (1 - w) * (1 - 3 * w);
@@ -50,7 +50,7 @@ private:
 		m_turn = rotationVector(ist::quaternion(tool.X_WT.rotation * transpose(hand.X_WH.rotation)));
 		m_velocity = tool.twist.linear - hand.twist.linear;
 		m_spin = tool.twist.angular - hand.twist.angular;
-		m_duration = std::max({kShortest, norm(m_offset) / kSpeed, norm(m_turn) / kTurning});
+		m_duration = (std::max)({kShortest, norm(m_offset) / kSpeed, norm(m_turn) / kTurning});
 		m_time = dt;  // the coupling leads a moving tool by one step
 	}
 

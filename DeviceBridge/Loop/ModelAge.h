@@ -28,7 +28,7 @@ public:
 		if (known < kKept) return;
 		std::array<std::int64_t, kKept> sorted = m_intervals;
 		std::sort(sorted.begin(), sorted.end());
-		m_period = std::max(nominal, sorted[kKept / 2]);
+		m_period = (std::max)(nominal, sorted[kKept / 2]);
 	}
 	bool known() const noexcept { return m_count > 0; }
 	/// Time since the last answer [ns].

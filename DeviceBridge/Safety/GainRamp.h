@@ -18,7 +18,7 @@ public:
 		if (!m_running) m_start = now;
 		m_running = true;
 		const std::int64_t age = now - m_start;
-		return age >= m_duration ? 1 : std::max(0.0, static_cast<double>(age) / static_cast<double>(m_duration));
+		return age >= m_duration ? 1 : (std::max)(0.0, static_cast<double>(age) / static_cast<double>(m_duration));
 	}
 
 private:

@@ -23,7 +23,7 @@ public:
 	/// Returns true if it replaced the wrench.
 	bool apply(ist::Wrench& wrench, const ist::Twist& twist) noexcept
 	{
-		const double share = std::max(norm(twist.linear) / m_limits.speed, norm(twist.angular) / m_limits.angularSpeed);
+		const double share = (std::max)(norm(twist.linear) / m_limits.speed, norm(twist.angular) / m_limits.angularSpeed);
 		m_braking = share > (m_braking ? kRelease : 1);
 		if (!m_braking) return false;
 		wrench = {-m_limits.damping * twist.linear, -m_limits.angularDamping * twist.angular};

@@ -3,6 +3,7 @@
 #include "tests/unit/NotchedBeam.h"
 
 #include <map>
+#include <numbers>
 #include <string>
 
 using namespace scenario;
@@ -23,13 +24,14 @@ btRigidBody* addSlab(Scene& scene) { return scene.add(scene.volumetricShape(slab
 
 ist::Mesh upright(const ist::Mesh& alongZ)
 {
-	return ist::transformed(alongZ, {ist::rotationMatrix(ist::quaternionFromRotationVector({-M_PI / 2, 0, 0})), {}});
+	return ist::transformed(alongZ, {ist::rotationMatrix(ist::quaternionFromRotationVector({-std::numbers::pi / 2, 0, 0})), {}});
 }
 
 /// A cone that stands on its tip.
 ist::Mesh coneOnTip()
 {
-	return ist::transformed(ist::makeConeMesh(.1, .2), {ist::rotationMatrix(ist::quaternionFromRotationVector({M_PI / 2, 0, 0})), {}});
+	const ist::Quaternion turn = ist::quaternionFromRotationVector({std::numbers::pi / 2, 0, 0});
+	return ist::transformed(ist::makeConeMesh(.1, .2), {ist::rotationMatrix(turn), {}});
 }
 
 /// Normal force of the contact of the two bodies in the last step, as a vector on `body` [N].
@@ -53,7 +55,7 @@ ist::Mesh boredBlock(double radius)
 		for (const bool outer : {true, false})
 			for (int i = 0; i < n; ++i)
 			{
-				const double angle = 2 * M_PI * i / n, c = std::cos(angle), s = std::sin(angle);
+				const double angle = 2 * std::numbers::pi * i / n, c = std::cos(angle), s = std::sin(angle);
 				const double r = outer ? .03 / std::max(std::fabs(c), std::fabs(s)) : radius;
 				mesh.vertices.push_back({r * c, y, r * s});
 			}
@@ -309,7 +311,7 @@ TEST(DefaultContact, UnitsOfLengthDoNotMatter)
 			heights[u][i] = height(body) / unit;
 			tilts[u][i] = tilt(body);
 		}
-		EXPECT_NEAR(heights[u][kTimes - 1], .05 * std::cos(M_PI / 24), 7e-4) << unit;  // on a facet, 0.55 mm deep in the mean
+		EXPECT_NEAR(heights[u][kTimes - 1], .05 * std::cos(std::numbers::pi / 24), 7e-4) << unit;  // on a facet, 0.55 mm deep in the mean
 	}
 	for (int u = 1; u < 3; ++u)
 		for (int i = 0; i < kTimes; ++i)

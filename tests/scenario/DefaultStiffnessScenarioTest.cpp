@@ -3,6 +3,7 @@
 
 #include "BulletHapticForce/Law/btContactLaw.h"
 
+#include <numbers>
 #include <string>
 
 using namespace scenario;
@@ -96,7 +97,7 @@ TEST(DefaultStiffness, ABoxOfBulletRestsOnClosedSlabsOfAnySize)
 // Rod and table press on a tenth of the area that the rule assumes, on ground with gaps of 15 mm.
 TEST(DefaultStiffness, ARodOnItsEndRestsOnClosedGround)
 {
-	const ist::Pose upright{ist::rotationMatrix(ist::quaternionFromRotationVector({-M_PI / 2, 0, 0})), {}};
+	const ist::Pose upright{ist::rotationMatrix(ist::quaternionFromRotationVector({-std::numbers::pi / 2, 0, 0})), {}};
 	const Solid rod(ist::transformed(ist::makeCylinderMesh(.01, .5), upright), 1000);
 	Scene scene;
 	addSlab(scene, {2, .5, 2});
@@ -175,8 +176,8 @@ TEST(DefaultStiffness, AChainHangs)
 		Scene scene;
 		std::vector<btRigidBody*> links;
 		for (int i = 0; i < kLinks; ++i)
-			links.push_back(
-				scene.add(scene.volumetricShape(ring), i > 0 ? .2 : 0, 1e-3, at({0, -kPitch * i, 0}, {0, i % 2 ? M_PI / 2 : 0, 0})));
+			links.push_back(scene.add(
+				scene.volumetricShape(ring), i > 0 ? .2 : 0, 1e-3, at({0, -kPitch * i, 0}, {0, i % 2 ? std::numbers::pi / 2 : 0, 0})));
 		scene.run(3, rate);
 		for (int i = 1; i < kLinks; ++i)
 		{

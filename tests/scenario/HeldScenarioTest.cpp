@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "tests/scenario/VolumetricScene.h"
 
+#include <numbers>
 #include <tuple>
 
 using namespace scenario;
@@ -48,7 +49,7 @@ struct Chain : Scene
 		const btQuaternion leans(btVector3(0, 0, 1), btScalar(lean));
 		for (int i = 0; i < count; ++i)
 		{
-			const btQuaternion turn(btVector3(0, 1, 0), btScalar(i % 2 * M_PI / 2));
+			const btQuaternion turn(btVector3(0, 1, 0), btScalar(i % 2 * std::numbers::pi / 2));
 			const btVector3 down(0, btScalar(-share * i * 2 * (kRing - kLinkTube)), 0);
 			const double mass = i > 0 ? kLinkMass : speed == 0 ? 0 : kHolderMass;
 			links.push_back(add(shape, mass, mass / kLinkMass * inertia, btTransform(leans * turn, quatRotate(leans, down))));
@@ -128,8 +129,8 @@ TEST(Held, AStackThatFallsComesToRest)
 			std::vector<btRigidBody*> rings;
 			btCollisionShape* shape = scene.volumetricShape(flatRing());
 			for (int i = 0; i < 6; ++i)
-				rings.push_back(
-					scene.add(shape, .2, .2 * kRing * kRing, at({0, drop + kFlatTube + 2.01 * kFlatTube * i, 0}, {M_PI / 2, 0, 0})));
+				rings.push_back(scene.add(
+					shape, .2, .2 * kRing * kRing, at({0, drop + kFlatTube + 2.01 * kFlatTube * i, 0}, {std::numbers::pi / 2, 0, 0})));
 			double before = 0;
 			for (const btRigidBody* ring : rings) before += energy(*ring);
 			for (int i = 0; i < 150; ++i)
@@ -159,8 +160,8 @@ TEST(Held, NeighboursThatNothingStopsFlyOn)
 		std::vector<btRigidBody*> rings;
 		for (int i = 0; i < 3; ++i)
 		{
-			rings.push_back(
-				scene.add(shape, .2, .2 * kRing * kRing, at({0, 1.01 * kFlatTube + 2.01 * kFlatTube * i, 0}, {M_PI / 2, 0, 0})));
+			rings.push_back(scene.add(
+				shape, .2, .2 * kRing * kRing, at({0, 1.01 * kFlatTube + 2.01 * kFlatTube * i, 0}, {std::numbers::pi / 2, 0, 0})));
 			rings.back()->setLinearVelocity(btVector3(3, btScalar(floor ? 0.5 : -4), 1));
 		}
 		for (int i = 0; i < 60; ++i) scene.step(1. / 60);

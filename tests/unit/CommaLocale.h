@@ -7,6 +7,7 @@
 #include <locale>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "tests/unit/TestEnvironment.h"
 
@@ -58,6 +59,42 @@ private:
 
 	std::string m_before = std::setlocale(LC_ALL, nullptr), m_folder;
 	bool m_there = false;
+};
+
+/// Which locale this thread has: the program's, or one of its own.
+inline auto localeOfThread()
+{
+#if defined(_WIN32)
+	return std::pair(_configthreadlocale(0), std::string(std::setlocale(LC_ALL, nullptr)));
+#else
+	return uselocale(nullptr);
+#endif
+}
+
+/// Gives this thread the locale "C" while it lives, and leaves the program's as it is.
+class PlainThreadLocale
+{
+public:
+#if defined(_WIN32)
+	PlainThreadLocale() : m_before(_configthreadlocale(_ENABLE_PER_THREAD_LOCALE)) { std::setlocale(LC_ALL, "C"); }
+	~PlainThreadLocale() { _configthreadlocale(m_before); }
+#else
+	PlainThreadLocale() : m_own(newlocale(LC_ALL_MASK, "C", nullptr)) { uselocale(m_own); }
+	~PlainThreadLocale()
+	{
+		uselocale(LC_GLOBAL_LOCALE);
+		freelocale(m_own);
+	}
+#endif
+	PlainThreadLocale(const PlainThreadLocale&) = delete;
+	PlainThreadLocale& operator=(const PlainThreadLocale&) = delete;
+
+private:
+#if defined(_WIN32)
+	int m_before;
+#else
+	locale_t m_own;
+#endif
 };
 
 /// Makes the streams of C++ write and read numbers as 1.234,5 while it lives, as a host does that calls std::locale::global.

@@ -55,7 +55,7 @@ struct InnerSphereTree
 
 	/// Error length g of the body for the error bar of a query (PressureField.h) [m]. Leaves blur the surface even of a body without
 	/// gaps.
-	double errorLength() const { return std::max(meanGap, resolution); }
+	double errorLength() const { return (std::max)(meanGap, resolution); }
 
 	/// Empty if every invariant holds (those of each tree, finite values, positive volume); otherwise the first violation.
 	std::string validate() const;

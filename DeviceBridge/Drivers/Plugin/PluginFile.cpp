@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "BulletISTCollision/Core/Platform/Environment.h"
+#include "BulletISTCollision/Core/Platform/InstalledProgram.h"
 #include "BulletISTCollision/Core/Platform/Utf8Path.h"
 #include "DeviceBridge/Platform/DynamicLibrary.h"
 
@@ -34,6 +35,21 @@ std::string fileOf(const std::string& name)
 	return {};
 }
 
+/// The folder of plug-ins in the installation that this library or program belongs to, wherever it was moved; empty if there is none.
+std::string folderOfInstallation()
+{
+	constexpr int kLevels = 3;  // bin, lib, lib/ARCHITECTURE
+	std::filesystem::path folder = ist::fileOfFunction(reinterpret_cast<const void*>(&pluginFolders)).parent_path();
+	for (int level = 0; level < kLevels && folder.has_relative_path(); ++level)
+	{
+		folder = folder.parent_path();
+		const std::filesystem::path plugins = folder / DEVICEBRIDGE_LIBRARY_FOLDER / "devicebridge";
+		std::error_code failure;
+		if (std::filesystem::is_directory(plugins, failure)) return ist::utf8Path(plugins);
+	}
+	return {};
+}
+
 /// What is wrong with the plug-in; empty if it is valid.
 std::string flawOf(const devicebridge_plugin* plugin, const std::string& name)
 {
@@ -54,6 +70,8 @@ std::vector<std::string> pluginFolders()
 	std::istringstream parts(ist::environmentValue("DEVICEBRIDGE_PLUGIN_PATH").value_or(""));
 	for (std::string folder; std::getline(parts, folder, kFolderSeparator);)
 		if (!folder.empty()) folders.push_back(folder);
+	if (const std::string folder = folderOfInstallation(); !folder.empty() && folder != DEVICEBRIDGE_PLUGIN_FOLDER)
+		folders.push_back(folder);
 	folders.push_back(DEVICEBRIDGE_PLUGIN_FOLDER);
 	return folders;
 }

@@ -9,7 +9,8 @@
 
 namespace devicebridge
 {
-/// Folders that are searched for plug-ins, in this order: those of DEVICEBRIDGE_PLUGIN_PATH, then the one of the installation.
+/// Folders that are searched for plug-ins, in this order: those of DEVICEBRIDGE_PLUGIN_PATH, then that of the installation
+/// that this library lies in, wherever it was moved, and the one that was configured.
 std::vector<std::string> pluginFolders();
 /// Names of the plug-ins in these folders, without loading any.
 std::vector<std::string> pluginNames();

@@ -16,6 +16,7 @@
 
 using namespace ist;
 
+#if !defined(ASSIMP_BUILD_NO_EXPORT)
 namespace
 {
 struct Format
@@ -155,6 +156,7 @@ INSTANTIATE_TEST_SUITE_P(Assimp, MeshFormats,
 		Format{"gltf2", "gltf"}, Format{"glb2", "glb"}, Format{"collada", "dae"}, Format{"3ds", "3ds", false}, Format{"x", "x"},
 		Format{"assbin", "assbin"}, Format{"fbxa", "fbx"}, Format{"x3d", "x3d"}),
 	[](const auto& info) { return std::string(info.param.id); });
+#endif
 
 TEST(MeshFormat, OffIsRead)
 {

@@ -25,7 +25,7 @@ public:
 	{
 		const ::testing::TestInfo* test = ::testing::UnitTest::GetInstance()->current_test_info();
 		m_path = (std::filesystem::path(::testing::TempDir()) / (std::string("ist_") + test->name() + ending)).string();
-		std::ofstream(m_path) << text;
+		std::ofstream(m_path, std::ios::binary) << text;
 	}
 	~TemporaryFile() { std::filesystem::remove(m_path); }
 	TemporaryFile(const TemporaryFile&) = delete;

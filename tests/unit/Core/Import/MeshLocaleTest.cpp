@@ -14,6 +14,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 
 using namespace ist;
 
@@ -141,10 +142,11 @@ TEST(MeshLocale, TheProgramKeepsItsOwn)
 	const CommaLocale comma("de_DE");
 	if (!comma.there()) GTEST_SKIP() << "there is no locale de_DE, and localedef cannot make it: install the package locales";
 	// A locale of this thread alone is restored, too.
-	const locale_t own = newlocale(LC_ALL_MASK, "C", nullptr);
-	for (const locale_t before : {LC_GLOBAL_LOCALE, own})
+	for (const bool isOwn : {false, true})
 	{
-		uselocale(before);
+		std::optional<PlainThreadLocale> own;
+		if (isOwn) own.emplace();
+		const auto before = localeOfThread();
 		const std::string half = printedHalf(),
 						  path =
 							  (std::filesystem::path(::testing::TempDir()) / ("ist_locale_" + std::to_string(getpid()) + ".obj")).string();
@@ -154,11 +156,9 @@ TEST(MeshLocale, TheProgramKeepsItsOwn)
 		std::filesystem::remove(path);
 		EXPECT_GT(calls, 2);
 		EXPECT_EQ(others, 0);
-		EXPECT_EQ(uselocale(nullptr), before);
+		EXPECT_EQ(localeOfThread(), before);
 		EXPECT_EQ(printedHalf(), half);
 		EXPECT_FALSE(importMesh(path));
-		EXPECT_EQ(uselocale(nullptr), before);
+		EXPECT_EQ(localeOfThread(), before);
 	}
-	uselocale(LC_GLOBAL_LOCALE);
-	freelocale(own);
 }

@@ -392,7 +392,9 @@ TEST(QueryThreads, TheBusiestThreadIsBusyForAtLeastItsShareOfTheTime)
 		++seen;
 		EXPECT_GE(shared.pathMicroseconds, 0.4999 * shared.sumMicroseconds);
 		EXPECT_LE(shared.pathMicroseconds, shared.sumMicroseconds);
+#if !defined(_WIN32)  // it counts processor time in ticks of 15 ms
 		EXPECT_GT(shared.sumMicroseconds, 0);
+#endif
 	}
 	EXPECT_GT(seen, 5);
 }
