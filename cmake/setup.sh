@@ -27,7 +27,9 @@ done
 packages=()
 case $scope in # each brings what those below it need
 release)
-	packages+=(lintian mmdebstrap g++-aarch64-linux-gnu qemu-user g++-11 clang-16 clang-19 colcon python3-colcon-ros python3-colcon-cmake)
+	packages+=(lintian mmdebstrap g++-aarch64-linux-gnu qemu-user g++-11 clang-16 clang-19 colcon python3-colcon-ros python3-colcon-cmake
+		libignition-physics-core-dev libignition-physics-sdf-dev libignition-physics-mesh-dev libignition-physics5-bullet-plugin5
+		libignition-plugin-dev)
 	;&
 tests)
 	packages+=(locales clang clang-format-14 python3-dev python3-numpy pybind11-dev doxygen spacenavd xvfb xauth reuse abigail-tools)

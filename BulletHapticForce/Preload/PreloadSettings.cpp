@@ -5,6 +5,8 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
+#include <filesystem>
 
 namespace preload
 {
@@ -50,6 +52,11 @@ Settings settingsFromEnvironment()
 	const char* cache = std::getenv("BULLETHAPTICS_CACHE");
 	settings.spheres = number("BULLETHAPTICS_SPHERES", settings.spheres, 10, 1000000);
 	settings.cacheFolder = cache ? cache : defaultCache();
+	std::error_code ignored;
+	// The program may change its working directory, and the packer has another one.
+	if (!settings.cacheFolder.empty()) settings.cacheFolder = std::filesystem::absolute(settings.cacheFolder, ignored).string();
+	const char* packer = std::getenv("BULLETHAPTICS_PACKER");
+	settings.packs = !packer || std::strcmp(packer, "off") != 0;
 	settings.verbosity = number("BULLETHAPTICS_VERBOSE", settings.verbosity, 0, 2);
 	settings.waits = number("BULLETHAPTICS_WAIT", 0, 0, 1) == 1;
 	settings.stiffness = stiffness("BULLETHAPTICS_STIFFNESS");

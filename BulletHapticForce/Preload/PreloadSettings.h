@@ -9,9 +9,10 @@ namespace preload
 struct Settings
 {
 	int spheres = 3000;  ///< BULLETHAPTICS_SPHERES: number of spheres of each tree, 10 to 1,000,000
-	/// BULLETHAPTICS_CACHE; otherwise $XDG_CACHE_HOME/bullethaptics or ~/.cache/bullethaptics; empty: no tree is stored
+	/// Absolute path from BULLETHAPTICS_CACHE; otherwise $XDG_CACHE_HOME/bullethaptics or ~/.cache/bullethaptics; empty: no tree is stored
 	std::string cacheFolder;
 	int verbosity = 1;   ///< BULLETHAPTICS_VERBOSE: 0 prints errors only, 1 also what is done to a world, 2 also the result for each shape
+	bool packs = true;   ///< BULLETHAPTICS_PACKER=off: trees are packed by a thread of the program, and not by bullethaptics-pack
 	bool waits = false;  ///< BULLETHAPTICS_WAIT=1: the first steps wait for the trees, so that runs are reproducible
 	double stiffness = 0;  ///< BULLETHAPTICS_STIFFNESS [Pa/m] of each body with a tree; 0: the stiffness follows from the body's weight
 };

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/Preload/PreloadWorld.h"
 
+#include "BulletISTCollision/Registry/btISTShapeMesh.h"
+
 #include "BulletCollision/CollisionShapes/btCompoundShape.h"
 #include "BulletCollision/Gimpact/btGImpactShape.h"
 
 #include <algorithm>
+#include <chrono>
 #include <iterator>
+#include <set>
+#include <thread>
 #include <utility>
 
 namespace preload
@@ -41,7 +46,7 @@ template <class Visit> void forEachMesh(const btDiscreteDynamicsWorld& world, co
 btISTTreeSettings treeSettings(const Settings& settings)
 {
 	btISTTreeSettings result;
-	result.build.maxSpheres = settings.spheres;
+	result.build = buildOptions(settings.spheres);
 	result.cacheFolder = settings.cacheFolder;
 	return result;
 }
@@ -66,7 +71,8 @@ World::World(btDiscreteDynamicsWorld& world, const Settings& settings)
 	: m_world(world),
 	  m_settings(settings),
 	  m_dispatcher(world.getDispatcher()),
-	  m_gamesSolver(world.getConstraintSolver())
+	  m_gamesSolver(world.getConstraintSolver()),
+	  m_queue(settings)
 {
 	m_ist.emplace(world);
 	m_trees.emplace(m_ist->registration().registry(), treeSettings(settings));
@@ -96,10 +102,49 @@ void World::see(const btCollisionShape* shape)
 	}
 	const int changes = found == m_shapes.end() ? 0 : found->second.changes + 1;
 	if (found != m_shapes.end()) m_shapes.erase(found);
-	Entry entry{likeness, {}, m_step, changes};
-	if (changes <= kMostChanges && m_trees) entry.attachment = m_trees->attach(shape);
+	Entry entry{likeness, {}, {}, m_step, changes};
+	if (changes <= kMostChanges && m_trees) orderTree(shape, entry);
 	if (changes == kMostChanges + 1) say(m_settings, 1, "a mesh whose triangles move stays GImpact's");
 	m_shapes.emplace(shape, std::move(entry));
+}
+
+void World::orderTree(const btCollisionShape* shape, Entry& entry)
+{
+	if (ist::Result<ist::Mesh> mesh = meshOfShape(*shape)) entry.order = m_queue.order(std::move(mesh).value());
+	if (entry.order.empty()) entry.attachment = m_trees->attach(shape);
+}
+
+void World::forgetUnseen()
+{
+	std::set<std::string> unseen;
+	for (auto i = m_shapes.begin(); i != m_shapes.end();)
+	{
+		const bool gone = i->second.seen != m_step;
+		if (gone && !i->second.order.empty()) unseen.insert(i->second.order);
+		i = gone ? m_shapes.erase(i) : std::next(i);
+	}
+	if (unseen.empty()) return;
+	for (const auto& [shape, entry] : m_shapes) unseen.erase(entry.order);
+	for (const std::string& order : unseen) m_queue.withdraw(order);
+}
+
+void World::fetchPacked()
+{
+	std::set<std::string> orders;
+	for (const auto& [shape, entry] : m_shapes)
+		if (!entry.order.empty()) orders.insert(entry.order);
+	for (const std::string& over : m_queue.over({orders.begin(), orders.end()}))
+		for (auto& [shape, entry] : m_shapes)
+			if (entry.order == over)
+			{
+				entry.order.clear();
+				entry.attachment = m_trees->attach(shape);
+			}
+}
+
+size_t World::waiting() const
+{
+	return size_t(std::count_if(m_shapes.begin(), m_shapes.end(), [](const auto& each) { return each.second.isWaiting(); }));
 }
 
 void World::stopBuilding()
@@ -111,10 +156,14 @@ void World::stopBuilding()
 
 void World::conclude()
 {
-	if (std::exchange(m_concluded, true) || m_everVolumetric || !refusal().empty()) return;
-	const bool waits = std::any_of(m_shapes.begin(), m_shapes.end(), [](const auto& each) { return each.second.attachment.isPending(); });
-	if (waits) say(m_settings, 1, "trees were not ready: nothing was volumetric (BULLETHAPTICS_WAIT=1 waits for them)");
-	else say(m_settings, 2, "a world goes, and nothing in it was volumetric");
+	if (std::exchange(m_concluded, true) || !refusal().empty()) return;
+	const size_t waits = waiting();
+	const bool goOn = std::any_of(m_shapes.begin(), m_shapes.end(), [](const auto& each) { return !each.second.order.empty(); });
+	const std::string hint = " (BULLETHAPTICS_WAIT=1 waits for them)" +
+		std::string(goOn ? "; bullethaptics-pack goes on with them, for the next run" : "");
+	if (waits > 0 && !m_everVolumetric) say(m_settings, 1, "trees were not ready: nothing was volumetric" + hint);
+	else if (waits > 0) say(m_settings, 1, "trees of " + std::to_string(waits) + " meshes were not ready" + hint);
+	else if (!m_everVolumetric) say(m_settings, 2, "a world goes, and nothing in it was volumetric");
 }
 
 void World::setStiffness()
@@ -137,11 +186,10 @@ void World::setStiffness()
 
 void World::announce()
 {
-	const auto isWaiting = [](const auto& each) { return each.second.attachment.isPending(); };
-	const size_t waiting = size_t(std::count_if(m_shapes.begin(), m_shapes.end(), isWaiting));
-	const std::string found = std::to_string(waiting) + " GImpact meshes found, trees are being packed";
-	if (waiting > m_waiting) say(m_settings, 1, found + (m_settings.waits ? "; the step waits" : ""));
-	m_waiting = waiting;
+	const size_t now = waiting();
+	const std::string found = std::to_string(now) + " GImpact meshes found, trees are being packed";
+	if (now > m_waiting) say(m_settings, 1, found + (m_settings.waits ? "; the step waits" : ""));
+	m_waiting = now;
 }
 
 void World::beforeStep()
@@ -151,10 +199,13 @@ void World::beforeStep()
 	// the game registered GImpact after our registration
 	if (!m_ist->registration().isRegistered()) (void)m_ist->registration().reinstall();
 	forEachMesh(m_world, [this](const btCollisionShape* shape) { see(shape); });
-	for (auto i = m_shapes.begin(); i != m_shapes.end();) i = i->second.seen == m_step ? std::next(i) : m_shapes.erase(i);
+	forgetUnseen();
 	if (m_settings.stiffness > 0) setStiffness();
 	if (!m_trees) return;
 	announce();
+	const auto isOrdered = [](const auto& each) { return !each.second.order.empty(); };
+	for (fetchPacked(); m_settings.waits && std::any_of(m_shapes.begin(), m_shapes.end(), isOrdered); fetchPacked())
+		std::this_thread::sleep_for(std::chrono::milliseconds(10));
 	if (m_settings.waits) m_trees->finish();
 	else m_trees->update();
 	report();
@@ -166,8 +217,8 @@ void World::report()
 	for (auto& [shape, entry] : m_shapes)
 	{
 		attached += entry.attachment.isAttached();
-		waiting += entry.attachment.isPending();
-		if (entry.reported || entry.attachment.isPending()) continue;
+		waiting += entry.isWaiting();
+		if (entry.reported || entry.isWaiting()) continue;
 		entry.reported = true;
 		if (!entry.attachment.error().empty()) say(m_settings, 1, "a mesh stays GImpact's: " + entry.attachment.error());
 		if (!entry.attachment.note().empty()) say(m_settings, 2, entry.attachment.note());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletHapticForce/Preload/PackingQueue.h"
 #include "BulletHapticForce/Preload/PreloadSettings.h"
 #include "BulletHapticForce/World/btISTWorld.h"
 #include "BulletISTCollision/Registry/btISTTreeSource.h"
@@ -45,12 +46,20 @@ private:
 	struct Entry
 	{
 		Likeness likeness;
+		std::string order;  // key of the tree while the packer makes it; empty before and after
 		btISTPendingAttachment attachment;
 		uint64_t seen = 0;  // number of the step in which the shape was last in the world
 		int changes = 0;
 		bool reported = false;
+		bool isWaiting() const { return !order.empty() || attachment.isPending(); }
 	};
 	void see(const btCollisionShape* shape);
+	/// Orders the shape's tree from the packer, or else from `m_trees`.
+	void orderTree(const btCollisionShape* shape, Entry& entry);
+	void forgetUnseen();
+	/// Loads the trees that the packer has made.
+	void fetchPacked();
+	size_t waiting() const;
 	/// Gives bodies with a mesh the stiffness of the settings, and forgets bodies that have left the world.
 	void setStiffness();
 	/// Reports how many new meshes wait for their trees.
@@ -64,6 +73,7 @@ private:
 	const void *m_dispatcher, *m_gamesSolver;
 	std::optional<btISTWorld> m_ist;
 	std::optional<btISTTreeSource> m_trees;
+	PackingQueue m_queue;
 	std::map<const btCollisionShape*, Entry> m_shapes;
 	std::mutex m_mutex;  ///< needed because a program may exit in one thread while another one steps
 	uint64_t m_step = 0;

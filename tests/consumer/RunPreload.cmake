@@ -1,34 +1,21 @@
 # SPDX-License-Identifier: Zlib
 # Runs programs that know nothing of us, which nobody compiled for this, without and with the preload library. STOCK (stock_game), HEAP
-# (heap_game), EXIT (early_exit), HOST (plugin_host), PLUGIN (stock_game for it), FOREIGN (a plug-in that is no Bullet), PRELOAD, SECOND
-# (its other name), WORK.
+# (heap_game), EXIT (early_exit), HOST (plugin_host), PLUGIN (stock_game for it), FOREIGN (a plug-in that is no Bullet),
+# PRELOAD, SECOND (its other name), READELF, WORK.
 cmake_minimum_required(VERSION 3.25)
 
-# run(LIBRARY EXPECTED COMMAND...): `text` is what it prints on stdout, `errors` on stderr.
-function(run library)
-	execute_process(COMMAND ${CMAKE_COMMAND} -E env LD_PRELOAD=${library} ${ARGN}
-		RESULT_VARIABLE code OUTPUT_VARIABLE text ERROR_VARIABLE errors)
-	if(NOT code EQUAL 0)
-		message(FATAL_ERROR "${ARGN} with ${library}: ${code}\n${errors}")
-	endif()
-	set(text "${text}" PARENT_SCOPE)
-	set(errors "${errors}" PARENT_SCOPE)
-endfunction()
-function(expect_said sentence)
-	if(NOT errors MATCHES "${sentence}")
-		message(FATAL_ERROR "not said: ${sentence}\nbut: ${errors}")
-	endif()
-endfunction()
-function(expect_silent what)
-	if(errors MATCHES "bullethaptics")
-		message(FATAL_ERROR "${what}: ${errors}")
-	endif()
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/preload/functions.cmake)
 function(expect_same what)
 	if(NOT text STREQUAL before)
 		message(FATAL_ERROR "moves otherwise: ${what}")
 	endif()
 endfunction()
+
+# What is preloaded comes before the plug-ins of a program, with all that it needs.
+execute_process(COMMAND ${READELF} -d ${PRELOAD} COMMAND_ERROR_IS_FATAL ANY OUTPUT_VARIABLE text)
+if(NOT text MATCHES "NEEDED" OR text MATCHES "NEEDED[^\n]*(Bullet|LinearMath)")
+	message(FATAL_ERROR "the library that is preloaded needs Bullet:\n${text}")
+endif()
 
 set(ENV{BULLETHAPTICS_CACHE} ${WORK}/trees)
 set(ENV{BULLETHAPTICS_SPHERES} 500)
@@ -108,13 +95,15 @@ run("" ${STOCK})
 set(before "${text}")
 
 # Trees that take longer than the game.
+set(ENV{BULLETHAPTICS_PACKER} off)
 set(ENV{BULLETHAPTICS_WAIT} 0)
 set(ENV{BULLETHAPTICS_VERBOSE} 1)
 set(ENV{BULLETHAPTICS_SPHERES} 1000000)
 run(${PRELOAD} ${STOCK})
 expect_same("trees are not ready")
 expect_said("1 GImpact meshes found, trees are being packed\n")
-expect_said("trees were not ready: nothing was volumetric \\(BULLETHAPTICS_WAIT=1 waits for them\\)")
+expect_said("trees were not ready: nothing was volumetric \\(BULLETHAPTICS_WAIT=1 waits for them\\)\n")
+unset(ENV{BULLETHAPTICS_PACKER})
 set(ENV{BULLETHAPTICS_SPHERES} 500)
 set(ENV{BULLETHAPTICS_VERBOSE} 2)
 

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: Zlib
+# A client of Debian's ignition-physics5, whose Bullet plug-in makes a GImpact mesh of each mesh, with the library to preload and nothing
+# set. SOURCE (the client's), PRELOAD, LAUNCHER, WORK.
+cmake_minimum_required(VERSION 3.25)
+include(${CMAKE_CURRENT_LIST_DIR}/preload/functions.cmake)
+
+execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}
+	RESULT_VARIABLE code OUTPUT_VARIABLE text ERROR_VARIABLE errors)
+if(errors MATCHES "skipped: no [^\n]*")
+	message(NOTICE "${CMAKE_MATCH_0}")
+	return()
+elseif(NOT code EQUAL 0)
+	message(FATAL_ERROR "${text}${errors}")
+endif()
+execute_process(COMMAND ${CMAKE_COMMAND} --build ${WORK}/build COMMAND_ERROR_IS_FATAL ANY)
+set(client ${WORK}/build/client)
+
+# Before a tree is ready, and switched off, it moves as without the library. GImpact's torus floats, so the client's code is 1.
+set(ENV{BULLETHAPTICS_CACHE} ${WORK}/trees)
+file(REMOVE_RECURSE ${WORK}/trees)
+execute_process(COMMAND ${client} torus 0.2 OUTPUT_VARIABLE before ERROR_VARIABLE errors)
+if(NOT before MATCHES "^0 ")
+	message(FATAL_ERROR "the client does not play: ${errors}")
+endif()
+foreach(switch off on)
+	set(ENV{BULLETHAPTICS_PRELOAD} ${switch})
+	execute_process(COMMAND ${CMAKE_COMMAND} -E env LD_PRELOAD=${PRELOAD} ${client} torus 0.2 OUTPUT_VARIABLE text ERROR_VARIABLE errors)
+	if(NOT text STREQUAL before)
+		message(FATAL_ERROR "moves otherwise before it is volumetric, with BULLETHAPTICS_PRELOAD=${switch}:\n${text}${errors}")
+	endif()
+	if(switch STREQUAL "off")
+		expect_silent("switched off")
+	endif()
+endforeach()
+expect_said("1 GImpact meshes found, trees are being packed\n")
+expect_said("trees were not ready: nothing was volumetric \\(BULLETHAPTICS_WAIT=1 waits for them\\); bullethaptics-pack goes on")
+expect_packed(${WORK}/trees)
+
+set(ENV{BULLETHAPTICS_WAIT} 1)
+foreach(row "torus|1|1" "gears|4|2" "chain|4|6" "pile|4|10")
+	string(REGEX MATCH "^(.*)\\|(.*)\\|(.*)$" row ${row})
+	set(bodies ${CMAKE_MATCH_3})
+	run(${PRELOAD} ${client} ${CMAKE_MATCH_1} ${CMAKE_MATCH_2})
+	message(STATUS "${CMAKE_MATCH_1}: ${errors}")
+	expect_said("${bodies} GImpact bodies of ${bodies} meshes have volumetric contact from step 1 on")
+endforeach()
