@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Distance/MeshDistance.h"
 
+#include "BulletISTCollision/Core/Distance/RayCrossings.h"
 #include "BulletISTCollision/Core/Distance/WideTriangleBvh.h"
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <cstddef>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 namespace ist
@@ -88,6 +90,7 @@ struct MeshDistance::Implementation
 	double size = 0;
 	TriangleHierarchy hierarchy;
 	WideTriangleBvh bvh;
+	RayCrossings crossings;
 	Cluster rootCluster;
 	std::vector<std::array<Cluster, 2>> clusters;  // clusters of hierarchy.nodes[i].child
 
@@ -117,6 +120,7 @@ MeshDistance::Implementation::Implementation(Mesh source, int threads) : mesh(st
 	const Result<InstructionSet> set = chosenInstructionSet();
 	bvh = WideTriangleBvh(hierarchy, size, set ? set.value() : bestInstructionSet());
 	addClusters(threads);
+	crossings = RayCrossings(mesh, origin);
 }
 
 void MeshDistance::Implementation::addClusters([[maybe_unused]] int threads)
@@ -191,6 +195,8 @@ double MeshDistance::Implementation::winding(const Vec3& p, double farRadii) con
 bool MeshDistance::Implementation::contains(const Vec3& p) const
 {
 	if (hierarchy.triangles.empty() || squaredDistance(hierarchy.root, p) > 0) return false;
+	if (crossings.isUsable())
+		if (const std::optional<int> whole = crossings.windingNumber(p)) return *whole > 0;
 	double w = winding(p, kFarRadiiSide);
 	if (std::fabs(w - 0.5) < 0.1) w = winding(p, kFarRadii);
 	return w > 0.5;
