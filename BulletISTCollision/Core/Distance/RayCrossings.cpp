@@ -36,7 +36,10 @@ bool isClosed(const Mesh& mesh)
 struct Determinant
 {
 	double value, error;
-	Determinant(double au, double av, double bu, double bv) : value(au * bv - av * bu), error(kRounding * (std::fabs(au * bv) + std::fabs(av * bu))) {}
+	Determinant(double au, double av, double bu, double bv)
+		: value(au * bv - av * bu),
+		  error(kRounding * (std::fabs(au * bv) + std::fabs(av * bu)))
+	{}
 	/// 0: it may have either sign.
 	int sign() const { return value > error ? 1 : value < -error ? -1 : 0; }
 };

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <utility>
 
 namespace ist
 {
@@ -29,9 +31,10 @@ constexpr double kOutsideShare = 0.5;
 // Nodes are split in parallel. A child seldom comes before a node with this share of its parent's priority.
 constexpr double kBatchSpan = 0.5;
 constexpr size_t kLargestBatch = 4096;
-constexpr double kLeastSlope = 0.3;  // of a quadric whose gradient says where outside is
-constexpr double kSlack = 0.05;      // of the spacing; the corners of an element stand this far above a curved surface
-constexpr double kNever = -1;        // priority of a node that is not split
+constexpr size_t kTrianglesTogether = 256;  // that a thread looks at
+constexpr double kLeastSlope = 0.3;         // of a quadric whose gradient says where outside is
+constexpr double kSlack = 0.05;             // of the spacing; the corners of an element stand this far above a curved surface
+constexpr double kNever = -1;               // priority of a node that is not split
 constexpr uint64_t kPlaneStream = 12, kOutsideStream = 64;
 constexpr int kOutsidePoints = 48;  // in each cell, to look for a positive depth outside of the body
 
@@ -199,36 +202,52 @@ bool DepthPartition::isMisfit(size_t part, const DepthSample& sample) const
 
 size_t DepthPartition::addMisfits(const std::vector<DepthSample>& samples)
 {
-	std::vector<Misfit> misfits;
-	for (const DepthSample& s : samples)
+	constexpr uint32_t kNone = UINT32_MAX;
+	std::vector<uint32_t> partOfMisfit(samples.size(), kNone);
+#pragma omp parallel for schedule(dynamic, 1024) num_threads(m_options.threads)
+	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(samples.size()); ++i)
 	{
+		const DepthSample& s = samples[size_t(i)];
 		const size_t part = partAt(s.position);
-		if (isMisfit(part, s)) misfits.push_back({part, s});
+		if (isMisfit(part, s)) partOfMisfit[size_t(i)] = uint32_t(part);
 	}
-	insert(misfits);
-	return misfits.size();
+	std::vector<Misfit> misfits;
+	for (size_t i = 0; i < samples.size(); ++i)
+		if (partOfMisfit[i] != kNone) misfits.push_back({partOfMisfit[i], samples[i]});
+	return insert({std::move(misfits)});
+}
+
+/// Appends those corners of a piece of the surface in a node that its cell does not match.
+void DepthPartition::listMisfits(size_t node, const Vec3& normal, const std::vector<Vec3>& polygon, std::vector<Misfit>& misfits) const
+{
+	const double weight = weightOfDepth(0, m_options.spacing), area = m_options.spacing * m_options.spacing / kSamplesOfSquare;
+	const Vec3 middle = middleOf(polygon);
+	const double share = std::min(1.0, areaOf(polygon) / (area * double(polygon.size())));
+	const size_t part = m_nodes[node].cell();
+	for (const Vec3& corner : polygon)
+	{
+		const DepthSample s{middle + (corner - middle) * kShrinking, 0, normal, weight * share};
+		if (share > 0 && isMisfit(part, s) && partAt(s.position) == part) misfits.push_back({part, s});
+	}
 }
 
 size_t DepthPartition::addMisfitsOfSurface(const Mesh& mesh)
 {
-	std::vector<Misfit> misfits;
-	const double weight = weightOfDepth(0, m_options.spacing), area = m_options.spacing * m_options.spacing / kSamplesOfSquare;
-	visitSurface(m_nodes, mesh, [&](size_t node, size_t triangle, const std::vector<Vec3>& polygon) {
-		const auto& t = mesh.triangles[triangle];
-		const Vec3& a = mesh.vertices[t[0]];
-		const Vec3 normal = normalized(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
-		const Vec3 middle = middleOf(polygon);
-		const double share = std::min(1.0, areaOf(polygon) / (area * double(polygon.size())));
-		const size_t part = m_nodes[node].cell();
-		for (const Vec3& corner : polygon)
-		{
-			const DepthSample s{middle + (corner - middle) * kShrinking, 0, normal, weight * share};
-			if (share > 0 && isMisfit(part, s) && partAt(s.position) == part) misfits.push_back({part, s});
-		}
-	});
-	const size_t count = misfits.size();
-	insert(std::move(misfits));
-	return count;
+	const double tolerance = surfaceTolerance(mesh);
+	const size_t count = mesh.triangles.size();
+	std::vector<std::vector<Misfit>> found((count + kTrianglesTogether - 1) / kTrianglesTogether);
+#pragma omp parallel for schedule(dynamic, 1) num_threads(m_options.threads)
+	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(found.size()); ++i)
+	{
+		const size_t first = size_t(i) * kTrianglesTogether, last = std::min(count, first + kTrianglesTogether);
+		visitSurface(m_nodes, mesh, first, last, tolerance, [&](size_t node, size_t triangle, const std::vector<Vec3>& polygon) {
+			const auto& t = mesh.triangles[triangle];
+			const Vec3& a = mesh.vertices[t[0]];
+			const Vec3 normal = normalized(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
+			listMisfits(node, normal, polygon, found[size_t(i)]);
+		});
+	}
+	return insert(found);
 }
 
 /// Finds the corners of the region of each cell below a node, by its part.
@@ -266,32 +285,33 @@ size_t DepthPartition::addMisfitsOutside(const MeshDistance& surface, const Box&
 			if (isMisfit(part, s) && partAt(x) == part) found[part].push_back({part, s});
 		}
 	}
-	std::vector<Misfit> misfits;
-	for (const std::vector<Misfit>& ofPart : found) misfits.insert(misfits.end(), ofPart.begin(), ofPart.end());
-	const size_t count = misfits.size();
-	insert(std::move(misfits));
-	return count;
+	return insert(found);
 }
 
-/// Lays out the samples anew, with those of each part together.
-void DepthPartition::insert(std::vector<Misfit> misfits)
+/// Lays out the samples anew, with those of each part together, in the order of the lists. Returns the number of misfits.
+size_t DepthPartition::insert(const std::vector<std::vector<Misfit>>& lists)
 {
-	if (misfits.empty()) return;
-	std::stable_sort(misfits.begin(), misfits.end(), [](const Misfit& a, const Misfit& b) { return a.first < b.first; });
-	std::vector<DepthSample> samples;
-	samples.reserve(m_samples.size() + misfits.size());
-	std::vector<size_t> changed;
-	auto misfit = misfits.begin();
+	std::vector<size_t> added(m_parts.size());
+	for (const std::vector<Misfit>& list : lists)
+		for (const Misfit& misfit : list) ++added[misfit.first];
+	std::vector<size_t> changed, next(m_parts.size());
+	const size_t count = std::accumulate(added.begin(), added.end(), size_t(0));
+	if (count == 0) return 0;
+	std::vector<DepthSample> samples(m_samples.size() + count);
+	size_t end = 0;
 	for (size_t i = 0; i < m_parts.size(); ++i)
 	{
 		Part& part = m_parts[i];
 		const std::span<const DepthSample> before = samplesOf(part);
-		part.begin = samples.size();
-		samples.insert(samples.end(), before.begin(), before.end());
-		if (misfit != misfits.end() && misfit->first == i) changed.push_back(i);
-		for (; misfit != misfits.end() && misfit->first == i; ++misfit) samples.push_back(misfit->second);
-		part.end = samples.size();
+		std::copy(before.begin(), before.end(), samples.begin() + std::ptrdiff_t(end));
+		part.begin = end;
+		next[i] = end + before.size();
+		part.end = end = next[i] + added[i];
+		if (added[i] > 0) changed.push_back(i);
 	}
+	samples.resize(end);
+	for (const std::vector<Misfit>& list : lists)
+		for (const Misfit& misfit : list) samples[next[misfit.first]++] = misfit.second;
 	m_samples = std::move(samples);
 #pragma omp parallel for schedule(dynamic, 16) num_threads(m_options.threads)
 	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(changed.size()); ++i)
@@ -300,6 +320,7 @@ void DepthPartition::insert(std::vector<Misfit> misfits)
 		part = partOf(part.begin, part.end, part.node);
 	}
 	for (const size_t i : changed) m_queue.push({m_parts[i].priority, i});
+	return count;
 }
 
 /// Upper bound of the depth in a part, from its samples.

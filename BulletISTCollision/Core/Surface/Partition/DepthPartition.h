@@ -77,7 +77,8 @@ private:
 	Part partOf(size_t begin, size_t end, size_t node) const;
 	Halves halvesOf(const Part& parent);
 	void add(size_t parent, Halves& halves);
-	void insert(std::vector<Misfit> misfits);
+	void listMisfits(size_t node, const Vec3& normal, const std::vector<Vec3>& polygon, std::vector<Misfit>& misfits) const;
+	size_t insert(const std::vector<std::vector<Misfit>>& lists);
 	double deepestOf(const Part& part, bool holdsSurface) const;
 	void cutOffOutside(const Mesh& mesh, std::vector<DepthNode>& nodes) const;
 

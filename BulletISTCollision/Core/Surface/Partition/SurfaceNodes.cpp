@@ -62,15 +62,26 @@ private:
 };
 }  // namespace
 
-void visitSurface(const std::vector<DepthNode>& nodes, const Mesh& mesh, const SurfaceVisit& visit)
+double surfaceTolerance(const Mesh& mesh)
 {
 	const Box box = bounds(mesh);
-	TriangleDescent descent(nodes, kRounding * (norm(box.lower) + norm(box.upper)), visit);
-	for (size_t i = 0; i < mesh.triangles.size(); ++i)
+	return kRounding * (norm(box.lower) + norm(box.upper));
+}
+
+void visitSurface(
+	const std::vector<DepthNode>& nodes, const Mesh& mesh, size_t first, size_t last, double tolerance, const SurfaceVisit& visit)
+{
+	TriangleDescent descent(nodes, tolerance, visit);
+	for (size_t i = first; i < last; ++i)
 	{
 		const auto& t = mesh.triangles[i];
 		descent.run(i, {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
 	}
+}
+
+void visitSurface(const std::vector<DepthNode>& nodes, const Mesh& mesh, const SurfaceVisit& visit)
+{
+	visitSurface(nodes, mesh, 0, mesh.triangles.size(), surfaceTolerance(mesh), visit);
 }
 
 std::vector<char> nodesOfSurface(const std::vector<DepthNode>& nodes, const Mesh& mesh)

@@ -16,6 +16,13 @@ using SurfaceVisit = std::function<void(size_t node, size_t triangle, const std:
 /// Clips the triangles of the mesh at the planes of the partition, and visits the parts in the nodes with cells, in a fixed order.
 void visitSurface(const std::vector<DepthNode>& nodes, const Mesh& mesh, const SurfaceVisit& visit);
 
+/// The same for the triangles [first, last). `tolerance`: surfaceTolerance() of the mesh.
+void visitSurface(
+	const std::vector<DepthNode>& nodes, const Mesh& mesh, size_t first, size_t last, double tolerance, const SurfaceVisit& visit);
+
+/// Rounding of the distance of its points from a plane [m].
+double surfaceTolerance(const Mesh& mesh);
+
 /// For each node with a cell, whether it holds a part of the surface of the mesh. Exact but for roundings, for which a node may count as
 /// holding some.
 std::vector<char> nodesOfSurface(const std::vector<DepthNode>& nodes, const Mesh& mesh);
