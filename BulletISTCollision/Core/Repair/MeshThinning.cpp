@@ -52,11 +52,13 @@ struct Quadric
 class Thinner
 {
 public:
-	Thinner(const Mesh& mesh, double tolerance) : m_mesh(mesh), m_tolerance(tolerance)
+	Thinner(const Mesh& mesh, double tolerance) : m_mesh(mesh)
 	{
 		const size_t n = mesh.vertices.size();
 		const Box box = bounds(mesh);
-		m_origin = 0.5 * (box.lower + box.upper);
+		const Vec3 origin = 0.5 * (box.lower + box.upper);
+		m_scaled.reserve(n);
+		for (const Vec3& p : mesh.vertices) m_scaled.push_back((p - origin) / tolerance);
 		m_around.resize(n);
 		m_quadrics.resize(n);
 		m_fixed.assign(n, 0);
@@ -86,7 +88,7 @@ public:
 
 private:
 	/// Position in units of the tolerance.
-	Vec3 scaled(uint32_t v) const { return (m_mesh.vertices[v] - m_origin) / m_tolerance; }
+	const Vec3& scaled(uint32_t v) const { return m_scaled[v]; }
 
 	void addTriangle(uint32_t i)
 	{
@@ -205,8 +207,7 @@ private:
 	}
 
 	Mesh m_mesh;
-	double m_tolerance;
-	Vec3 m_origin;
+	std::vector<Vec3> m_scaled;
 	std::vector<std::vector<uint32_t>> m_around;  // triangles around each vertex
 	std::vector<Quadric> m_quadrics;
 	std::vector<uint8_t> m_fixed, m_removed;
