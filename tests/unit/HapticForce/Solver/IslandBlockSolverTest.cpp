@@ -130,9 +130,9 @@ TEST(btIslandBlockSolver, AgreesWithARowOnOnePatch)
 	}
 }
 
-// A ball of 2 kg flies at a wall whose force is c (d + x)^2, with d the depth at the beginning and x the way, from `gap` on. The speed after
-// a step of backward Euler solves m (v - w) = h c (d + h w - gap)^2: by bisection. A search that ends when the area has changed by less than
-// a tenth is within 1 % of it; the first linearisation is off by half of the speed and more.
+// A ball of 2 kg flies at a wall whose force is c (d + x)^2, with d the depth at the beginning and x the way, from `gap` on. The speed
+// after a step of backward Euler solves m (v - w) = h c (d + h w - gap)^2: by bisection. A search that ends when the area has changed by
+// less than a tenth is within 1 % of it; the first linearisation is off by half of the speed and more.
 TEST(btIslandBlockSolver, RelinearisedCurvedContactIsAStepOfBackwardEuler)
 {
 	for (const double gap : {0.0, 2e-3})
