@@ -269,6 +269,40 @@ TEST(DefaultContact, AnOverhangOfTwoFifthsStaysAndOneOfMoreThanHalfTips)
 	}
 }
 
+// Ten rings are poured from up to 1.2 m. At 60 Hz some go on moving for a while, none deep in another (docs/stability.md).
+TEST(DefaultContact, RingsThatArePouredIntoABinComeToRest)
+{
+	const double major = .05;
+	const Solid ring(ist::makeTorusMesh(major, .015, 48, 24), 300);
+	for (const auto& [rate, seeds] : {std::pair(60., 2), std::pair(240., 2)})
+		for (int seed = 0; seed < seeds; ++seed)
+		{
+			std::mt19937 random{unsigned(seed)};
+			std::uniform_real_distribution<double> u(-1, 1);
+			Scene scene;
+			scene.world.setGravity(btVector3(0, btScalar(-kGravity), 0));
+			scene.addFloor();
+			for (int side = -1; side <= 1; side += 2)
+			{
+				scene.add(scene.shape<btBoxShape>(btVector3(btScalar(.05), btScalar(.5), btScalar(.3))), 0, 0, at({.2 * side, .5, 0}));
+				scene.add(scene.shape<btBoxShape>(btVector3(btScalar(.3), btScalar(.5), btScalar(.05))), 0, 0, at({0, .5, .2 * side}));
+			}
+			btCollisionShape* shape = scene.volumetricShape(ring);
+			std::vector<btRigidBody*> rings;
+			for (int i = 0; i < 10; ++i)
+			{
+				const double x = u(random), z = u(random), a = u(random), b = u(random), c = u(random);
+				rings.push_back(scene.add(shape, .2, .2 * major * major, at({.03 * x, .15 + .12 * i, .03 * z}, {3 * a, 3 * b, 3 * c})));
+			}
+			scene.run(6, rate);
+			const std::string where = "seed " + std::to_string(seed) + " at " + std::to_string(rate);
+			for (const btRigidBody* body : rings) EXPECT_LT(double(body->getLinearVelocity().length()), rate < 100 ? .05 : 1e-5) << where;
+			for (const btISTContact* contact : scene.world.contacts().contacts())
+				if (contact->patchCount > 0 && !(contact->ahead > 0))
+					EXPECT_LT(contact->depth, (rate < 100 ? .06 : .03) * contact->thickness()) << where;
+		}
+}
+
 // Fixed pads hold a ball in the ground. What it presses there is not a load that a larger stiffness would lift.
 TEST(DefaultContact, WhatIsClampedDoesNotPressMoreAndMore)
 {
