@@ -121,8 +121,8 @@ private:
 };
 }  // namespace
 
-// With a world in time, bodies move by 8 mm at most (the ball rolls), at 0.05 m/s, and the force is 1.2 N. A copy that is thrown for a
-// moment may press with a few newtons; bodies that are thrown move by a metre, and the hand gets 20 N to 60 N.
+// With a world in time, bodies move by 8 mm at most (the ball rolls), at 0.05 m/s, and the force is 1.2 N. Bodies that are thrown move by a
+// metre, and the hand gets 20 N to 60 N; a copy that is thrown goes 30 mm, and presses with up to 13 N.
 TEST(DecoupledLate, BodiesThatRestBesideAHandAreNotThrownByALateWorld)
 {
 	struct
@@ -141,10 +141,10 @@ TEST(DecoupledLate, BodiesThatRestBesideAHandAreNotThrownByALateWorld)
 				1e3 * lateness.step, 1e3 * lateness.stall, stiffnessIsSet ? "set" : "not set", 1e3 * world.moved, world.speed, world.energy,
 				1e3 * world.copyAway, world.largestForce());
 			EXPECT_LT(world.moved, 0.016);
-			EXPECT_LT(world.speed, 0.25);
-			EXPECT_LT(world.energy, 0.01);
-			EXPECT_LT(world.copyAway, 0.1);
-			EXPECT_LT(world.largestForce(), 6);
+			EXPECT_LT(world.speed, 0.05);
+			EXPECT_LT(world.energy, 0.001);
+			EXPECT_LT(world.copyAway, 0.005);
+			EXPECT_LT(world.largestForce(), 2);
 			EXPECT_LT(world.lost(), 1e-9);
 		}
 }
