@@ -5,7 +5,7 @@
 #include "BulletISTCollision/Core/Base/SpinPause.h"
 #include "BulletISTCollision/Core/Base/SteadyTime.h"
 #include "BulletISTCollision/Core/Base/ThreadTime.h"
-#include "BulletISTCollision/Core/Platform/AtomicWait.h"
+#include "BulletISTCollision/Core/Platform/ValueWait.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 
 #include "BulletCollision/BroadphaseCollision/btDispatcher.h"
@@ -227,7 +227,7 @@ void btISTQueryThreads::loop(Helper& helper)
 	{
 		const double start = ist::steadyMicroseconds();
 		while (m_turn.load(std::memory_order_seq_cst) == seen && ist::steadyMicroseconds() - start < m_spin) ist::spinPause();
-		ist::waitWhile(m_turn, seen);
+		while (m_turn.load(std::memory_order_seq_cst) == seen) ist::sleepWhile(m_turn, seen);
 		seen = m_turn.load(std::memory_order_seq_cst);
 		if (m_stop) return;
 		// The helper sets `working` before it reads `m_open`; the owner closes `m_open` before it reads `working`. So at least one of the

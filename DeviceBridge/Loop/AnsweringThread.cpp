@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "DeviceBridge/Loop/AnsweringThread.h"
 
-#include "DeviceBridge/Platform/ValueWait.h"
+#include "BulletISTCollision/Core/Platform/ValueWait.h"
 
 #include <system_error>
 #include <utility>
@@ -36,7 +36,7 @@ void AnsweringThread::stop() noexcept
 void AnsweringThread::wake() noexcept
 {
 	m_wake.fetch_add(1, std::memory_order_release);
-	wakeOne(m_wake);
+	ist::wakeOne(m_wake);
 }
 
 void AnsweringThread::loop(const std::function<bool()>& answer) noexcept
@@ -44,7 +44,7 @@ void AnsweringThread::loop(const std::function<bool()>& answer) noexcept
 	while (!m_stopping)
 	{
 		const std::uint32_t seen = m_wake.load(std::memory_order_acquire);
-		if (!answer() && !m_stopping) sleepWhile(m_wake, seen);
+		if (!answer() && !m_stopping) ist::sleepWhile(m_wake, seen);
 	}
 	answer();
 }

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Zlib
-#include "DeviceBridge/Platform/ValueWait.h"
+#include "BulletISTCollision/Core/Platform/ValueWait.h"
+
+#include <limits>
 
 #if defined(__linux__)
 #include <linux/futex.h>
@@ -7,7 +9,7 @@
 #include <unistd.h>
 #endif
 
-namespace devicebridge
+namespace ist
 {
 void sleepWhile(std::atomic<std::uint32_t>& value, std::uint32_t seen) noexcept
 {
@@ -19,12 +21,19 @@ void sleepWhile(std::atomic<std::uint32_t>& value, std::uint32_t seen) noexcept
 #endif
 }
 
-void wakeOne(std::atomic<std::uint32_t>& value) noexcept
+namespace
+{
+void wake(std::atomic<std::uint32_t>& value, [[maybe_unused]] int most) noexcept
 {
 #if defined(__linux__)
-	syscall(SYS_futex, reinterpret_cast<std::uint32_t*>(&value), FUTEX_WAKE_PRIVATE, 1, nullptr, nullptr, 0);
+	syscall(SYS_futex, reinterpret_cast<std::uint32_t*>(&value), FUTEX_WAKE_PRIVATE, most, nullptr, nullptr, 0);
 #else
-	value.notify_one();
+	value.notify_all();
 #endif
 }
-}  // namespace devicebridge
+}  // namespace
+
+void wakeOne(std::atomic<std::uint32_t>& value) noexcept { wake(value, 1); }
+
+void wakeAll(std::atomic<std::uint32_t>& value) noexcept { wake(value, std::numeric_limits<int>::max()); }
+}  // namespace ist

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Zlib
-#include "DeviceBridge/Platform/ValueWait.h"
+#include "BulletISTCollision/Core/Platform/ValueWait.h"
 
 #include "BulletISTCollision/Core/Platform/Windows/WideText.h"
 
 #include <synchapi.h>
 
-namespace devicebridge
+namespace ist
 {
 void sleepWhile(std::atomic<std::uint32_t>& value, std::uint32_t seen) noexcept
 {
@@ -14,4 +14,6 @@ void sleepWhile(std::atomic<std::uint32_t>& value, std::uint32_t seen) noexcept
 }
 
 void wakeOne(std::atomic<std::uint32_t>& value) noexcept { ::WakeByAddressSingle(&value); }
-}  // namespace devicebridge
+
+void wakeAll(std::atomic<std::uint32_t>& value) noexcept { ::WakeByAddressAll(&value); }
+}  // namespace ist
