@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "demos/browser/base/Threads.h"
 #include "tests/unit/ClosedMesh.h"
-#include "tests/unit/Core/Mesh/SolidAngleWinding.h"
+#include "tests/unit/SolidAngleWinding.h"
 
 #include <gtest/gtest.h>
 

@@ -2,39 +2,18 @@
 #include "BulletISTCollision/Core/Distance/RayCrossings.h"
 
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "tests/unit/JoinedMesh.h"
+#include "tests/unit/SolidAngleWinding.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <random>
 
 namespace ist
 {
 namespace
 {
-/// Sum of the exact solid angles of all triangles (van Oosterom and Strackee 1983).
-double windingBySolidAngles(const Mesh& mesh, const Vec3& p)
-{
-	double sum = 0;
-	for (const auto& t : mesh.triangles)
-	{
-		const Vec3 a = mesh.vertices[t[0]] - p, b = mesh.vertices[t[1]] - p, c = mesh.vertices[t[2]] - p;
-		const double la = norm(a), lb = norm(b), lc = norm(c);
-		sum += 2 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
-	}
-	return sum / (4 * std::numbers::pi);
-}
-
-Mesh joined(const Mesh& a, const Mesh& b)
-{
-	Mesh mesh = a;
-	const auto first = uint32_t(a.vertices.size());
-	mesh.vertices.insert(mesh.vertices.end(), b.vertices.begin(), b.vertices.end());
-	for (const auto& t : b.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-	return mesh;
-}
-
 class RandomPoints
 {
 public:
@@ -63,7 +42,7 @@ void expectWinding(const Mesh& mesh, const Vec3& origin, int most)
 		const Vec3 p = points.next();
 		const std::optional<int> found = crossings.windingNumber(p - origin);
 		if (!found) ++open;
-		ASSERT_NEAR(found.value_or(0), found ? windingBySolidAngles(mesh, p) : 0, 1e-3) << p.x << ' ' << p.y << ' ' << p.z;
+		ASSERT_NEAR(found.value_or(0), found ? ::windingNumber(mesh, p) : 0, 1e-3) << p.x << ' ' << p.y << ' ' << p.z;
 	}
 	EXPECT_LE(open, most);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Zlib
-#include "tests/unit/Core/Mesh/SolidAngleWinding.h"
 #include "tests/unit/Core/Repair/RepairChecks.h"
+#include "tests/unit/SolidAngleWinding.h"
 
 #include <array>
 #include <map>

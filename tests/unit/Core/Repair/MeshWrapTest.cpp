@@ -3,7 +3,7 @@
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
 
-#include "tests/unit/Core/Mesh/SolidAngleWinding.h"
+#include "tests/unit/SolidAngleWinding.h"
 
 #include <gtest/gtest.h>
 

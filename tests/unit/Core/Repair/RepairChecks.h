@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Repair/MeshRepair.h"
+#include "tests/unit/JoinedMesh.h"
 
 #include <gtest/gtest.h>
 
@@ -11,15 +12,6 @@
 
 namespace ist
 {
-inline Mesh joined(const Mesh& a, const Mesh& b)
-{
-	Mesh result = a;
-	const auto base = static_cast<uint32_t>(a.vertices.size());
-	result.vertices.insert(result.vertices.end(), b.vertices.begin(), b.vertices.end());
-	for (const auto& t : b.triangles) result.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
-	return result;
-}
-
 inline Mesh insideOut(Mesh mesh)
 {
 	for (auto& t : mesh.triangles) std::swap(t[1], t[2]);

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Base/CounterRandom.h"
 #include "BulletISTCollision/Core/Mesh/MeshDivision.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "tests/unit/JoinedMesh.h"
 
 #include <gtest/gtest.h>
 
@@ -60,14 +61,6 @@ double volumeOf(const ContactSurface& surface, const Vec3& origin)
 	for (const SurfaceElement& e : surface.elements)
 		eachGaussPoint(e, [&](const SheetPoint& p, double area) { sum += area * dot(p.position - origin, p.normal) / 3; });
 	return sum;
-}
-
-Mesh joined(Mesh a, const Mesh& b)
-{
-	const uint32_t first = uint32_t(a.vertices.size());
-	a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
-	for (const auto& t : b.triangles) a.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-	return a;
 }
 
 Mesh scaled(Mesh mesh, const Vec3& factor)

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Base/CounterRandom.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "tests/unit/JoinedMesh.h"
 #include "tests/unit/NotchedBeam.h"
 
 #include <gtest/gtest.h>
@@ -109,16 +110,6 @@ void expectExact(const Mesh& mesh, int64_t cells, size_t most, double tolerance 
 	EXPECT_LE(field.cells.size(), most);
 	EXPECT_LT(errorsOf(field, surface, surfacePoints(mesh, 20000, 3)).largest, tolerance * size);
 	EXPECT_LE(pointsOff(field, surface, innerPoints(surface, 20000, 4), 1e-5 * size), 4) << "of 20000 points";
-}
-
-/// Two meshes as one, without common points.
-Mesh joined(const Mesh& a, const Mesh& b)
-{
-	Mesh mesh = a;
-	for (const Vec3& v : b.vertices) mesh.vertices.push_back(v);
-	const uint32_t first = uint32_t(a.vertices.size());
-	for (const auto& t : b.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-	return mesh;
 }
 
 /// A cylinder with a bore along its axis, z.
