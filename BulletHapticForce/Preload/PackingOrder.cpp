@@ -5,8 +5,6 @@
 #include "BulletISTCollision/Core/Build/TreeCache.h"
 
 #include <array>
-#include <cinttypes>
-#include <cstdio>
 #include <fstream>
 #include <iterator>
 
@@ -22,12 +20,7 @@ ist::BuildOptions buildOptions(int spheres)
 	return options;
 }
 
-std::string PackingOrder::key() const
-{
-	char text[32];
-	std::snprintf(text, sizeof text, "%016" PRIx64, ist::treeKey(mesh, buildOptions(spheres)));
-	return text;
-}
+std::string PackingOrder::key() const { return ist::treeKeyText(mesh, buildOptions(spheres)); }
 
 bool PackingOrder::write(const std::filesystem::path& path) const
 {

@@ -27,7 +27,6 @@ public:
 
 private:
 	bool packerWorks();
-	bool startPacker(int lock);
 	void giveUp(const std::string& reason);
 
 	const Settings& m_settings;

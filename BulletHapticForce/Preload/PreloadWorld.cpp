@@ -142,6 +142,11 @@ void World::fetchPacked()
 			}
 }
 
+bool World::hasOrders() const
+{
+	return std::any_of(m_shapes.begin(), m_shapes.end(), [](const auto& each) { return !each.second.order.empty(); });
+}
+
 size_t World::waiting() const
 {
 	return size_t(std::count_if(m_shapes.begin(), m_shapes.end(), [](const auto& each) { return each.second.isWaiting(); }));
@@ -158,9 +163,8 @@ void World::conclude()
 {
 	if (std::exchange(m_concluded, true) || !refusal().empty()) return;
 	const size_t waits = waiting();
-	const bool goOn = std::any_of(m_shapes.begin(), m_shapes.end(), [](const auto& each) { return !each.second.order.empty(); });
 	const std::string hint = " (BULLETHAPTICS_WAIT=1 waits for them)" +
-		std::string(goOn ? "; bullethaptics-pack goes on with them, for the next run" : "");
+		std::string(hasOrders() ? "; bullethaptics-pack goes on with them, for the next run" : "");
 	if (waits > 0 && !m_everVolumetric) say(m_settings, 1, "trees were not ready: nothing was volumetric" + hint);
 	else if (waits > 0) say(m_settings, 1, "trees of " + std::to_string(waits) + " meshes were not ready" + hint);
 	else if (!m_everVolumetric) say(m_settings, 2, "a world goes, and nothing in it was volumetric");
@@ -203,9 +207,7 @@ void World::beforeStep()
 	if (m_settings.stiffness > 0) setStiffness();
 	if (!m_trees) return;
 	announce();
-	const auto isOrdered = [](const auto& each) { return !each.second.order.empty(); };
-	for (fetchPacked(); m_settings.waits && std::any_of(m_shapes.begin(), m_shapes.end(), isOrdered); fetchPacked())
-		std::this_thread::sleep_for(std::chrono::milliseconds(10));
+	for (fetchPacked(); m_settings.waits && hasOrders(); fetchPacked()) std::this_thread::sleep_for(std::chrono::milliseconds(10));
 	if (m_settings.waits) m_trees->finish();
 	else m_trees->update();
 	report();

@@ -59,6 +59,8 @@ private:
 	void forgetUnseen();
 	/// Loads the trees that the packer has made.
 	void fetchPacked();
+	/// Whether the packer makes the tree of a shape.
+	bool hasOrders() const;
 	size_t waiting() const;
 	/// Gives bodies with a mesh the stiffness of the settings, and forgets bodies that have left the world.
 	void setStiffness();

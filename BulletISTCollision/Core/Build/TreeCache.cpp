@@ -105,15 +105,20 @@ uint64_t treeKey(const Mesh& mesh, const BuildOptions& options)
 	return checksum64(reinterpret_cast<const std::byte*>(bytes.data()), bytes.size());
 }
 
+std::string treeKeyText(const Mesh& mesh, const BuildOptions& options)
+{
+	char text[32];
+	std::snprintf(text, sizeof text, "%016" PRIx64, treeKey(mesh, options));
+	return text;
+}
+
 Result<CachedTree> cachedTree(const Mesh& mesh, const BuildOptions& options, const std::string& folder, double mostDoubt)
 {
 	CachedTree result;
 	std::string path;
 	if (!folder.empty())
 	{
-		char name[32];
-		std::snprintf(name, sizeof name, "%016" PRIx64 ".ist", treeKey(mesh, options));
-		path = utf8Path(systemPath(folder) / name);
+		path = utf8Path(systemPath(folder) / (treeKeyText(mesh, options) + ".ist"));
 		std::error_code ignored;
 		if (std::filesystem::exists(systemPath(path), ignored))
 		{

@@ -20,6 +20,8 @@ struct CachedTree
 /// Hash of everything that determines the tree: the mesh, every option except threads and progress, and the versions of the builder and of
 /// the asset format.
 uint64_t treeKey(const Mesh& mesh, const BuildOptions& options);
+/// The key as sixteen hexadecimal digits, after which the tree's file is named.
+std::string treeKeyText(const Mesh& mesh, const BuildOptions& options);
 
 /// The tree of a mesh. It is loaded from `folder`/KEY.ist if that file was built from this mesh with these options; otherwise it is
 /// built and saved there. With an empty `folder` nothing is loaded or saved. A file that is damaged or belongs to something else is
