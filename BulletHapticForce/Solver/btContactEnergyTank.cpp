@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/Solver/btContactEnergyTank.h"
 
-#include "BulletDynamics/Dynamics/btRigidBody.h"
+#include "BulletISTCollision/PairQuery/btISTFirstTouch.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace
 {
@@ -43,22 +42,10 @@ double capacity(const btISTContact& contact)
 	}
 	return sum;
 }
-/// Mass of the lighter body that can move [kg].
-double lighterMass(const btISTContact& contact)
-{
-	double lighter = std::numeric_limits<double>::infinity();
-	for (const btCollisionObject* object : {contact.bodyA, contact.bodyB})
-	{
-		const btRigidBody* body = btRigidBody::upcast(object);
-		if (body && body->getInvMass() > 0) lighter = std::min(lighter, 1 / double(body->getInvMass()));
-	}
-	return lighter;
-}
-
 /// Energy that lifts the load by the depth of the contact and lets the lighter body leave at kPartingSpeed [J].
 double energyToPart(const btISTContact& contact, double depth)
 {
-	return contact.constants.load * depth + lighterMass(contact) * kPartingSpeed * kPartingSpeed;
+	return contact.constants.load * depth + btISTFreeMotion::lighterMassOf(contact) * kPartingSpeed * kPartingSpeed;
 }
 
 /// Energy that a contact whose stiffness follows from a load has in any case [J]. Near the depth at which it rests, it is the linear
@@ -71,7 +58,8 @@ double leastStored(const btISTContact& contact, double most, double h)
 	const double beyond = ist::meanDepth(contact.total) - kShallow * c.depth;
 	if (!(beyond > 0)) return 0.5 * most;
 	const double speed = beyond / kCreepTime;
-	return std::min(std::max(norm(contact.pressed), c.load) * speed * h + 0.5 * lighterMass(contact) * speed * speed, 0.5 * most);
+	return std::min(
+		std::max(norm(contact.pressed), c.load) * speed * h + 0.5 * btISTFreeMotion::lighterMassOf(contact) * speed * speed, 0.5 * most);
 }
 
 /// True when the force has reversed since the last step in which it had one direction. Patches that push against each other have no

@@ -67,6 +67,8 @@ double btISTFreeMotion::massOf(const btCollisionObject& object)
 	return inverse > 0 ? 1 / inverse : std::numeric_limits<double>::infinity();
 }
 
+double btISTFreeMotion::lighterMassOf(const btISTContact& contact) { return std::min(massOf(*contact.bodyA), massOf(*contact.bodyB)); }
+
 /// Upper bound of the motion of any point of one body relative to the other in the step [m].
 double btISTFirstTouch::travel(const btISTContact& contact) const
 {
@@ -144,8 +146,7 @@ bool btISTFirstTouch::moveFurther(btISTContact& contact, ist::QueryWorkspace& wo
 void btISTFirstTouch::findFurther(btISTContact& contact, btISTContact& later, ist::QueryWorkspace& workspace) const
 {
 	const double way = travel(contact), k = contact.grown > 0 ? contact.grown : contact.constants.k;
-	const double lighter = std::min(btISTFreeMotion::massOf(*contact.bodyA), btISTFreeMotion::massOf(*contact.bodyB));
-	const bool isTooSoft = k * norm(contact.total.areaVector) * m_step * m_step < lighter;
+	const bool isTooSoft = k * norm(contact.total.areaVector) * m_step * m_step < btISTFreeMotion::lighterMassOf(contact);
 	if (!isTooSoft || !(way > kWorthLookingFurther * contact.thickness()) || !std::isfinite(way)) return;
 	later = contact;
 	if (moveFurther(later, workspace))

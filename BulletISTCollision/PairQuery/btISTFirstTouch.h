@@ -13,6 +13,8 @@ struct btISTFreeMotion
 	static btISTFreeMotion of(const btCollisionObject* object, double step);
 	/// Mass [kg]; infinite for a body that the solver cannot move, or that is no rigid body.
 	static double massOf(const btCollisionObject& object);
+	/// The smaller of the masses of the two bodies [kg].
+	static double lighterMassOf(const btISTContact& contact);
 	/// Pose after `time` [s] of what has the pose X_WS now and moves with the body.
 	ist::Pose after(double time, const ist::Pose& X_WS) const;
 	/// The same without the motion of the centre of mass: the lever arms of `after`, about the present centre.
