@@ -15,8 +15,7 @@ struct btContactPatch
 	double frictionRadius = 0;  ///< lever of the drilling moment [m]: the largest moment about `normal` is the sliding friction times it
 	double depth = 0;           ///< mean depth: volume over area [m]
 	double areaGrowth = 0;      ///< growth of the area as the bodies approach, dA/dx / A [1/m]; zero for flat contact
-	double gap =
-		0;  ///< way along the normal before the bodies touch [m]; `wrench` is then less than that of the touch by gap times stiffness
+	double gap = 0;             ///< way along the normal before the bodies touch [m]; `wrench` is less than at the touch by its stiffness
 };
 
 /// Evaluates the pressure field law (docs/model.md) for one patch of a contact. Returns false, and leaves `patch` undefined, when the

@@ -15,11 +15,10 @@ using namespace btSolverBodyMotion;
 
 namespace
 {
-constexpr double kCentralWay = 0.25;  // share of the thinner body that is left of a step after the first touch
-constexpr int kMostLinearisations = 4;
-constexpr double kFarthest = 0.1;         // share of the thinner body behind the touch, up to which a contact is linearised
-constexpr int kMostSoftenings = 2;        // of contacts whose tanks hold less energy than they would return
-constexpr double kWorthSoftening = 0.99;  // share of a contact's impulses from which on it is not softened
+constexpr double kCentralWay = 0.25;    // share of the thinner body that is left of a step after the first touch
+constexpr int kMostLinearisations = 4;  // of an island in a visit
+constexpr double kFarthest = 0.1;       // share of the thinner body behind the touch, up to which a contact is linearised
+constexpr int kMostSoftenings = 2;      // of contacts whose tanks hold less energy than they would return
 }  // namespace
 
 void btVolumetricIslands::reserve(size_t contacts)
@@ -143,7 +142,6 @@ void btVolumetricIslands::weigh(const btSolverBody* bodies)
 
 /// Twist of A minus that of B at the patch's point, without the impulse of the contact. A body that others will hold within this step has
 /// the velocity at which they are supposed to.
-/// hold one of them.
 ist::Twist btVolumetricIslands::freeTwist(const Entry& e, const btSolverBody* bodies)
 {
 	ist::Twist free = twistAt(bodies[e.bodyA], e.patch.point) - twistAt(bodies[e.bodyB], e.patch.point);
@@ -201,8 +199,9 @@ void btVolumetricIslands::waitForTouch(const btSolverBody* bodies)
 		if (!(ahead > 0)) continue;
 		const double left = (m_step - ahead) * -dot(freeTwist(e, bodies).linear, e.patch.normal);
 		if (left > kCentralWay * e.contact->thickness()) centre(e, bodies);
-		e.patch.gap = ahead * -dot(freeTwist(e, bodies).linear, e.patch.normal);
-		e.patch.wrench = e.patch.wrench + ahead * (e.patch.stiffness * freeTwist(e, bodies));
+		const ist::Twist free = freeTwist(e, bodies);
+		e.patch.gap = ahead * -dot(free.linear, e.patch.normal);
+		e.patch.wrench = e.patch.wrench + ahead * (e.patch.stiffness * free);
 	}
 }
 
@@ -245,25 +244,6 @@ void btVolumetricIslands::settlePoses()
 {
 	for (btRigidBody* body : m_moved) m_unrounded.settle(*body, m_step, m_stepNumber);
 	m_moved.clear();
-}
-
-void btVolumetricIslands::openEnergyTanks(const btSolverBody* bodies)
-{
-	const btISTContact* former = nullptr;
-	for (const Entry& e : m_entries)
-	{
-		if (e.contact == former) continue;
-		former = e.contact;
-		const auto velocityAt = [&](int body, const ist::Vec3& point) {
-			// The velocities that moved the bodies to these poses, without the impulses of this step.
-			const btSolverBody& b = bodies[body];
-			return toVec3(b.m_linearVelocity) + cross(toVec3(b.m_angularVelocity), point - toVec3(b.getWorldTransform().getOrigin()));
-		};
-		const ist::Vec3 centroid = e.contact->total.firstMoment / e.contact->total.volume;
-		const ist::Vec3 point = e.contact->X_WA * (e.contact->treeA->origin + centroid);
-		const double speed = norm(velocityAt(e.bodyA, point) - velocityAt(e.bodyB, point));
-		m_statistics.contactsTurnedOver += btContactEnergyTank::begin(*e.contact, speed, m_step);
-	}
 }
 
 void btVolumetricIslands::prepare(const btSolverBody* bodies, int bodyCount, const std::vector<int>& touched, double h, uint64_t step)
@@ -424,33 +404,15 @@ bool btVolumetricIslands::relinearise(Block& block) const
 	return changed;
 }
 
-/// Softens every contact that would return more energy than its tank holds, so that the others of the island can bear what it does not.
-/// Returns true if there was one.
-bool btVolumetricIslands::softenToEnergyTanks(const Island& island, const btSolverBody* bodies)
+/// Solves an island whose bodies no other row moves. Returns the largest squared change of a force impulse.
+double btVolumetricIslands::solvePassing(const Island& island, btSolverBody* bodies)
 {
-	for (const int body : m_passing.bodies) m_change[size_t(body)] = ist::Twist();
-	for (const int i : m_passing.entries) addChange(m_entries[size_t(i)], m_entries[size_t(i)].impulse, bodies);
-	bool softened = false;
-	btEnergyTankPatch patches[btISTContact::kMaxPatches];
-	forEachContact(island, [&](size_t first, int count) {
-		gatherEnergyTank(first, count, bodies, Own::Contact, patches);
-		const double stored = m_entries[first].contact->tank.stored;
-		const double share = btContactEnergyTank::share(btContactEnergyTank::scaledWork(patches, count), stored);
-		if (!(share < kWorthSoftening)) return;
-		for (size_t i = first; i < first + size_t(count); ++i) multiply(m_entries[i].patch, share);
-		softened = true;
-	});
-	return softened;
-}
-
-/// Solves an island whose bodies no other row moves.
-void btVolumetricIslands::solveOnce(const Island& island, btSolverBody* bodies, double& residual)
-{
+	double residual = 0;
 	for (int softenings = 0;; ++softenings)
 	{
 		fill(m_passing, island, bodies);
 		residual = std::max(residual, solve(m_passing, bodies));
-		if (softenings == kMostSoftenings || !softenToEnergyTanks(island, bodies)) return;
+		if (softenings == kMostSoftenings || !softenToEnergyTanks(island, bodies)) return residual;
 		for (const int body : m_passing.bodies) m_indexInBlock[size_t(body)] = -1;
 	}
 }
@@ -462,134 +424,8 @@ double btVolumetricIslands::iterate(btSolverBody* bodies, int iteration)
 	for (Row& r : m_rows) residual = std::max(residual, solve(r, bodies));
 	if (iteration > 0) return residual;
 	for (const Island& island : m_islands)
-		if (!island.touched && fitsBlock(island)) solveOnce(island, bodies, residual);
+		if (!island.touched && fitsBlock(island)) residual = std::max(residual, solvePassing(island, bodies));
 	return residual;
-}
-
-/// Adds the effect of an impulse of `e` to the changes of the bodies' twists.
-void btVolumetricIslands::addChange(const Entry& e, const ist::Wrench& impulse, const btSolverBody* bodies)
-{
-	for (int side = 0; side < 2; ++side)
-	{
-		const int body = side == 0 ? e.bodyA : e.bodyB;
-		if (!canMove(bodies[body])) continue;
-		const ist::Twist change = response(rowBody(bodies[body]), (side == 0 ? 1.0 : -1.0) * impulse, e.patch.point);
-		m_change[size_t(body)] = m_change[size_t(body)] + change;
-	}
-}
-
-std::vector<ist::Twist>& btVolumetricIslands::sumChanges(const btSolverBody* bodies)
-{
-	std::fill(m_change.begin(), m_change.end(), ist::Twist());
-	for (const Entry& e : m_entries) addChange(e, e.impulse, bodies);
-	return m_change;
-}
-
-/// Collects the patches of a contact, which are `count` entries from `first` on. Their `own` is what this contact has changed, or, if
-/// asked for, all contacts together.
-void btVolumetricIslands::gatherEnergyTank(size_t first, int count, const btSolverBody* bodies, Own whose, btEnergyTankPatch* patches) const
-{
-	const Entry& e = m_entries[first];
-	const auto relativeAt = [&](const ist::Twist& a, const ist::Twist& b, const ist::Vec3& point) {
-		return movedTo(a, bodies[e.bodyA], point) - movedTo(b, bodies[e.bodyB], point);
-	};
-	const ist::Twist all[2] = {m_change[size_t(e.bodyA)], m_change[size_t(e.bodyB)]};
-	const ist::Twist after[2] = {twist(bodies[e.bodyA]), twist(bodies[e.bodyB])};
-	const ist::Twist before[2] = {after[0] - all[0], after[1] - all[1]};
-	ist::Twist own[2] = {all[0], all[1]};
-	if (whose == Own::Contact)
-		for (int side = 0; side < 2; ++side)
-		{
-			own[side] = {};
-			const btSolverBody& body = bodies[side == 0 ? e.bodyA : e.bodyB];
-			if (!canMove(body)) continue;
-			for (size_t i = first; i < first + size_t(count); ++i)
-				own[side] = own[side] + response(rowBody(body), (side == 0 ? 1.0 : -1.0) * m_entries[i].impulse, m_entries[i].patch.point);
-		}
-	for (int i = 0; i < count; ++i)
-	{
-		const Entry& entry = m_entries[first + size_t(i)];
-		const ist::Vec3& point = entry.patch.point;
-		patches[i] = {entry.patch, entry.impulse, entry.elastic, relativeAt(before[0], before[1], point),
-			relativeAt(after[0], after[1], point), relativeAt(own[0], own[1], point)};
-	}
-}
-
-/// Scales the impulse of a patch by `share`.
-void btVolumetricIslands::scale(Entry& e, double share, btSolverBody* bodies)
-{
-	const ist::Wrench change = (share - 1) * e.impulse;
-	applyImpulse(bodies[e.bodyA], change, e.patch.point);
-	applyImpulse(bodies[e.bodyB], -1.0 * change, e.patch.point);
-	addChange(e, change, bodies);
-	e.impulse = share * e.impulse;
-	e.elastic = share * e.elastic;
-	e.normalImpulse *= share;
-}
-
-/// Calls `act` with the first entry of each contact of the island, and the number of its entries. They follow one another.
-template <class Act> void btVolumetricIslands::forEachContact(const Island& island, const Act& act) const
-{
-	for (int i = island.first; i >= 0;)
-	{
-		const size_t first = size_t(i);
-		int count = 0;
-		for (; i >= 0 && m_entries[size_t(i)].contact == m_entries[first].contact; i = m_entries[size_t(i)].next) ++count;
-		act(first, count);
-	}
-}
-
-/// Limits every contact of the island to its tank while the others stay as they are. That changes the work of the others, so that all
-/// together are then limited to the sum of their tanks.
-void btVolumetricIslands::holdToEnergyTanks(const Island& island, btSolverBody* bodies)
-{
-	btEnergyTankPatch patches[btISTContact::kMaxPatches];
-	const auto hold = [&](size_t first, int count, double share) {
-		for (size_t i = first; i < first + size_t(count); ++i) scale(m_entries[i], share, bodies);
-	};
-	double stored = 0;
-	bool held = false;
-	forEachContact(island, [&](size_t first, int count) {
-		gatherEnergyTank(first, count, bodies, Own::Contact, patches);
-		const btISTContactEnergyTank& tank = m_entries[first].contact->tank;
-		const double share = btContactEnergyTank::share(btContactEnergyTank::scaledWork(patches, count), tank.stored);
-		stored += tank.stored;
-		if (!(share < 1)) return;
-		++m_statistics.contactsHeldToEnergyTank;
-		hold(first, count, share);
-		held = true;
-	});
-	if (!held) return;
-	btScaledWork all;
-	forEachContact(island, [&](size_t first, int count) {
-		gatherEnergyTank(first, count, bodies, Own::All, patches);
-		const btScaledWork work = btContactEnergyTank::scaledWork(patches, count);
-		all = {all.linear + work.linear, all.square + work.square};
-	});
-	const double share = btContactEnergyTank::share(all, stored);
-	if (share < 1) forEachContact(island, [&](size_t first, int count) { hold(first, count, share); });
-}
-
-/// Enters the work of the island's contacts into their tanks. What one has returned beyond its own, the others pay.
-void btVolumetricIslands::enterWork(const Island& island, const btSolverBody* bodies)
-{
-	btEnergyTankPatch patches[btISTContact::kMaxPatches];
-	double owed = 0, left = 0;
-	forEachContact(island, [&](size_t first, int count) {
-		gatherEnergyTank(first, count, bodies, Own::Contact, patches);
-		btISTContact& contact = *m_entries[first].contact;
-		const double stored = contact.tank.stored;
-		owed += std::max(btContactEnergyTank::enter(contact.tank, patches, count, m_step) - stored, 0.0);
-		left += contact.tank.stored + contact.tank.damped;
-		contact.work = btContactEnergyTank::workOf(patches, count);
-	});
-	if (!(owed > 0)) return;
-	const double kept = left > owed ? 1 - owed / left : 0;
-	forEachContact(island, [&](size_t first, int) {
-		btISTContactEnergyTank& tank = m_entries[first].contact->tank;
-		tank.stored *= kept;
-		tank.damped *= kept;
-	});
 }
 
 void btVolumetricIslands::finish(btSolverBody* bodies)

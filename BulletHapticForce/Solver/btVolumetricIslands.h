@@ -16,8 +16,9 @@ struct btSolverBody;
 
 /// The volumetric contacts of one call of Bullet's solver, grouped into islands: bodies that are connected through such contacts, and
 /// through joints. btIslandBlockSolver solves an island at once, with the rows of its joints. An island that is too large for it is solved
-/// patch by patch, in Bullet's iterations; its joints stay Bullet's. An island is solved only once when no other row of Bullet moves its
-/// bodies, because iterations would change nothing.
+/// patch by patch, in Bullet's iterations; its joints stay Bullet's. An island takes part in no iteration when no other row of Bullet moves
+/// its bodies, because that would change nothing. With nothing set, it is solved again where its contacts have other areas at the end of
+/// the step, and where a tank holds less energy than its contact would return.
 ///
 /// Joints join islands in Bullet's order, as long as the sum is not too large. All other joints stay Bullet's, as do those of islands
 /// without volumetric contact.
@@ -127,7 +128,7 @@ private:
 	void makeRows(const Island& island, const btSolverBody* bodies);
 	double solve(Block& block, btSolverBody* bodies);
 	bool relinearise(Block& block) const;
-	void solveOnce(const Island& island, btSolverBody* bodies, double& residual);
+	double solvePassing(const Island& island, btSolverBody* bodies);
 	bool softenToEnergyTanks(const Island& island, const btSolverBody* bodies);
 	double solve(Row& row, btSolverBody* bodies);
 	void addChange(const Entry& e, const ist::Wrench& impulse, const btSolverBody* bodies);
@@ -137,7 +138,17 @@ private:
 		All
 	};
 	void gatherEnergyTank(size_t first, int count, const btSolverBody* bodies, Own whose, btEnergyTankPatch* patches) const;
-	template <class Act> void forEachContact(const Island& island, const Act& act) const;
+	/// Calls `act` with the first entry of each contact of the island, and the number of its entries. They follow one another.
+	template <class Act> void forEachContact(const Island& island, const Act& act) const
+	{
+		for (int i = island.first; i >= 0;)
+		{
+			const size_t first = size_t(i);
+			int count = 0;
+			for (; i >= 0 && m_entries[size_t(i)].contact == m_entries[first].contact; i = m_entries[size_t(i)].next) ++count;
+			act(first, count);
+		}
+	}
 	void scale(Entry& e, double share, btSolverBody* bodies);
 	void holdToEnergyTanks(const Island& island, btSolverBody* bodies);
 	void enterWork(const Island& island, const btSolverBody* bodies);
@@ -150,7 +161,7 @@ private:
 	std::vector<Size> m_sizes;  // of the island of each root, while joints join islands
 	std::vector<Island> m_islands;
 	std::vector<int> m_parent, m_islandOfRoot, m_indexInBlock;
-	Block m_passing;                                // islands that are solved once
+	Block m_passing;                                // islands that no other row moves
 	std::vector<std::unique_ptr<Block>> m_lasting;  // islands that are solved in every iteration
 	size_t m_lastingCount = 0;
 	std::vector<Row> m_rows;

@@ -16,7 +16,7 @@ using SurfaceVisit = std::function<void(size_t node, size_t triangle, const std:
 /// Clips the triangles of the mesh at the planes of the partition, and visits the parts in the nodes with cells, in a fixed order.
 void visitSurface(const std::vector<DepthNode>& nodes, const Mesh& mesh, const SurfaceVisit& visit);
 
-/// The same for the triangles [first, last). `tolerance`: surfaceTolerance() of the mesh.
+/// Does the same for the triangles from `first` to before `last`. `tolerance` is surfaceTolerance() of the mesh.
 void visitSurface(
 	const std::vector<DepthNode>& nodes, const Mesh& mesh, size_t first, size_t last, double tolerance, const SurfaceVisit& visit);
 
