@@ -84,6 +84,8 @@ std::string DeviceAddress::leftOver() const
 std::string howToCalibrate(const std::string& address)
 {
 	if (address.rfind("glove:", 0) == 0) return "run `devicebridge calibrate " + address + " -o FILE`";
+	for (const char* scheme : {"sim:", "motion:", "replay:", "spnav:", "rumble:"})
+		if (address.rfind(scheme, 0) == 0) return "it needs no calibration";
 	return "run the calibration of its maker, or move the handle as the maker says; `devicebridge state --watch " + address +
 		"` says when it is done";
 }

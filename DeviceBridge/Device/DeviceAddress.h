@@ -32,6 +32,7 @@ private:
 	std::map<std::string, std::string> m_options;
 };
 
-/// How the device at an address is calibrated, as an order to a person. Gloves have a command of their own.
+/// How the device at an address is calibrated, as an order to a person, or that it needs no calibration. Gloves have a command of their
+/// own.
 std::string howToCalibrate(const std::string& address);
 }  // namespace devicebridge

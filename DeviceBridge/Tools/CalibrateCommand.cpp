@@ -1,58 +1,43 @@
 // SPDX-License-Identifier: Zlib
 #include <cstdio>
 
-#include "BulletISTCollision/Core/Asset/AtomicFile.h"
-#include "DeviceBridge/Device/DeviceAddress.h"
-#include "DeviceBridge/Drivers/Glove/GloveLink.h"
+#include "DeviceBridge/Drivers/Glove/GloveFitting.h"
 #include "DeviceBridge/Tools/Commands.h"
 
 namespace devicebridge::tools
 {
 namespace
 {
-constexpr int kFrames = 50;  // number of frames, half a second
+constexpr std::int64_t kPause = 5'000'000;  // between two looks at the glove [ns]
 
-/// The values of a pose after the user has pressed Enter.
-ist::Result<GloveValues> held(GloveLink& glove, const char* pose)
+/// Waits for the Enter key. Returns false at the end of standard input.
+bool waitForEnter()
 {
-	std::fprintf(stderr, "%s, hold still and press Enter\n", pose);
 	for (int c = std::getchar(); c != '\n'; c = std::getchar())
-		if (c == EOF) return ist::Error{"standard input ended before the pose was confirmed", false};
-	// Frames that came while the hand was moving are dropped.
-	auto old = glove.meanValues(kFrames);
-	if (!old) return old;
-	return glove.meanValues(kFrames);
-}
-
-int calibrate(GloveLink& glove, const RunArguments& arguments)
-{
-	const auto flat = held(glove, "Lay the hand flat on a table, fingers together");
-	if (!flat) return fail(flat.error().message);
-	const auto fist = held(glove, "Close the fist, the wrist straight");
-	if (!fist) return fail(fist.error().message);
-	const auto made = calibrateGlove(flat.value(), fist.value(), glove.sensors() == kGloveSensors);
-	if (!made) return fail(made.error().message);
-	const std::string text = writeGloveCalibration(made.value());
-	const auto written = ist::writeFileAtomically(arguments.output, reinterpret_cast<const std::byte*>(text.data()), text.size());
-	if (!written) return fail(written.error().message);
-	Report report = newReport();
-	report["sensors"] = glove.sensors();
-	report["file"] = arguments.output;
-	print(report, arguments.json);
-	return kGood;
+		if (c == EOF) return false;
+	return true;
 }
 }  // namespace
 
 int runCalibrate(const RunArguments& arguments)
 {
-	const std::string scheme = "glove:";
-	if (arguments.uri.compare(0, scheme.size(), scheme) != 0)
-		return fail("only gloves are calibrated here (glove:/dev/ttyUSB0). For others, " + howToCalibrate(arguments.uri));
-	auto settings = gloveSettings(arguments.uri.substr(scheme.size()));
-	if (!settings) return fail(settings.error().message);
-	GloveLink glove(std::move(settings).value(), arguments.uri);
-	const auto found = glove.connect();
-	if (!found) return fail(found.error().message);
-	return calibrate(glove, arguments);
+	const auto begun = GloveFitting::begin(arguments.uri, arguments.output);
+	if (!begun) return fail(begun.error().message);
+	GloveFitting& fitting = *begun.value();
+	RealClock clock;
+	while (fitting.state() == GloveFitting::State::Pose)
+	{
+		std::fprintf(stderr, "%s; then press Enter\n", fitting.order().c_str());
+		if (!waitForEnter()) return fail("standard input ended before the pose was confirmed");
+		fitting.confirm();
+		while (fitting.update() == GloveFitting::State::Measuring) clock.sleepUntil(clock.now() + kPause);
+	}
+	if (fitting.state() == GloveFitting::State::Failed) return fail(fitting.complaint());
+	Report report = newReport();
+	report["sensors"] = fitting.sensors();
+	report["file"] = arguments.output;
+	report["address"] = fitting.calibratedAddress();
+	print(report, arguments.json);
+	return kGood;
 }
 }  // namespace devicebridge::tools

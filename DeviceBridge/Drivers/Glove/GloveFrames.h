@@ -38,6 +38,8 @@ public:
 		spread(static_cast<int>(sensors));
 		return true;
 	}
+	/// Forgets the bytes of a frame that has not ended.
+	void restart() noexcept { m_count = 0; }
 	const GloveValues& values() const noexcept { return m_values; }
 	/// Number of sensors: 18 or 22 after the first frame.
 	int sensors() const noexcept { return m_sensors; }

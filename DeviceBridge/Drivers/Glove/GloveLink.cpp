@@ -2,7 +2,6 @@
 #include "DeviceBridge/Drivers/Glove/GloveLink.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "DeviceBridge/Timing/Clock.h"
 
@@ -11,6 +10,9 @@ namespace devicebridge
 namespace
 {
 constexpr int kWait = 5;                             // [ms]
+constexpr std::size_t kMostBytes = 256;              // of one read
+constexpr std::size_t kPartOfAFrame = 16;            // the shorter frame has 20 bytes
+constexpr int kMostReads = 1000;                     // while bytes are discarded
 constexpr std::int64_t kSettling = 300'000'000;      // wait after a command [ns]
 constexpr std::int64_t kFirstFrame = 2'000'000'000;  // [ns]
 constexpr const char *kStop = "\x03", *kNoStatus = "u 0\r", *kStream = "S";
@@ -30,7 +32,7 @@ ist::Result<DeviceInfo> GloveLink::connect() noexcept
 	const std::int64_t deadline = clock.now() + kFirstFrame;
 	while (m_frames.sensors() == 0)
 	{
-		const Event event = takeBytes(kWait);
+		const Event event = takeBytes(kWait, kMostBytes);
 		if (event == Event::Lost) return ist::Error{m_complaint, false};
 		if (clock.now() > deadline)
 			return ist::Error{"what is on " + line + " sends no frames of " +
@@ -56,10 +58,10 @@ void GloveLink::disconnect() noexcept
 }
 
 /// Returns Sample if the bytes completed a frame.
-DeviceLink::Event GloveLink::takeBytes(int patience) noexcept
+DeviceLink::Event GloveLink::takeBytes(int patience, std::size_t most) noexcept
 {
-	std::uint8_t bytes[256];
-	const int n = m_line.read(bytes, sizeof bytes, patience);
+	std::uint8_t bytes[kMostBytes];
+	const int n = m_line.read(bytes, std::min(most, kMostBytes), patience);
 	if (n < 0)
 	{
 		m_complaint = "the serial line " + m_settings.line + " of the glove has hung up";
@@ -70,29 +72,21 @@ DeviceLink::Event GloveLink::takeBytes(int patience) noexcept
 	return found ? Event::Sample : Event::Nothing;
 }
 
-ist::Result<GloveValues> GloveLink::meanValues(int frames)
+DeviceLink::Event GloveLink::nextFrame() noexcept { return takeBytes(0, kPartOfAFrame); }
+
+void GloveLink::discardFrames() noexcept
 {
-	std::array<double, kGloveSensors> sum{};
-	const RealClock clock;
-	std::int64_t deadline = clock.now() + kFirstFrame;
-	for (int n = 0; n < frames;)
-	{
-		const Event event = takeBytes(kWait);
-		if (event == Event::Lost) return ist::Error{m_complaint, false};
-		if (clock.now() > deadline) return ist::Error{"the glove on " + m_settings.line + " has fallen silent", false};
-		if (event != Event::Sample) continue;
-		for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += m_frames.values()[i];
-		++n;
-		deadline = clock.now() + kFirstFrame;
-	}
-	GloveValues mean;
-	for (std::size_t i = 0; i < mean.size(); ++i) mean[i] = static_cast<std::uint8_t>(std::lround(sum[i] / std::max(1, frames)));
-	return mean;
+	m_line.discardInput();
+	// Some systems keep more than a line discards.
+	std::uint8_t bytes[kMostBytes];
+	for (int i = 0; i < kMostReads && m_line.read(bytes, kMostBytes, 0) > 0; ++i)
+	{}
+	m_frames.restart();
 }
 
 DeviceLink::Event GloveLink::exchange(const DeviceCommand&, DeviceSample& sample) noexcept
 {
-	const Event event = takeBytes(kWait);
+	const Event event = takeBytes(kWait, kMostBytes);
 	if (event != Event::Sample) return event;
 	sample.hand = gloveHand(m_settings.calibration.angles(m_frames.values()), m_settings.size);
 	sample.state.velocityEstimated = true;

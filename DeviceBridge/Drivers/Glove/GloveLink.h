@@ -38,12 +38,16 @@ public:
 	void disconnect() noexcept override;
 	std::string complaint() const override { return m_complaint; }
 
-	/// The mean of each sensor over `frames` frames. Call it between connect() and disconnect(). It waits until these frames have come.
-	ist::Result<GloveValues> meanValues(int frames);
+	/// Reads less than the length of a frame, so at most one frame ends, and does not wait. Returns Sample if values() are new. Call it and
+	/// discardFrames() between connect() and disconnect().
+	Event nextFrame() noexcept;
+	/// Forgets what has arrived.
+	void discardFrames() noexcept;
+	const GloveValues& values() const noexcept { return m_frames.values(); }
 	int sensors() const noexcept { return m_frames.sensors(); }
 
 private:
-	Event takeBytes(int patience) noexcept;
+	Event takeBytes(int patience, std::size_t most) noexcept;
 
 	GloveSettings m_settings;
 	std::string m_uri, m_complaint;

@@ -45,6 +45,9 @@ std::string DeviceHand::state() const
 {
 	if (!m_trouble.empty()) return m_trouble;
 	const std::string missing = devicebridge::describeMissing(m_flags);
+	const unsigned sensed = m_device->info().sensed, pose = devicebridge::kTranslation | devicebridge::kRotation;
+	if (missing.empty() && (sensed & devicebridge::kHandJointsSensed) && !(sensed & pose))
+		return "senses joints of a hand alone, and moves no tool; a hand with parts in a scene file follows it";
 	if (missing.empty()) return "ready";
 	if (m_flags & devicebridge::kCalibrated) return missing;
 	return missing + ": " + devicebridge::howToCalibrate(m_device->info().uri);

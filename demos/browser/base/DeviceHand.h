@@ -22,7 +22,7 @@ public:
 	void update(BrowsableDemo& demo, double scale);
 	/// Reason why the device does not answer, in a sentence; empty while it answers.
 	const std::string& trouble() const { return m_trouble; }
-	/// State of the device in words: trouble(), or what of it is not ready and how to change that, or "ready".
+	/// State of the device in words: trouble(), or what of it is not ready and how to change that, or that it moves no tool, or "ready".
 	std::string state() const;
 	/// Makes the next call start again, without a motion.
 	void forget() { m_known = false; }

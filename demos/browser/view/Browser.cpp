@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 
 using namespace ist;
 
@@ -108,6 +109,34 @@ void Browser::lookForDevices()
 			for (const std::string& name : devicebridge::simulatedProfileNames())
 				m_found.push_back({"sim:" + name, driver.what, driver.missing});
 		else m_found.push_back({driver.scheme + ":", driver.what, driver.missing});
+	}
+}
+
+void Browser::calibrate(const std::string& address, const std::string& file)
+{
+	m_message.clear();
+	m_fitting.reset();
+	if (address.rfind("glove:", 0) == 0) use(nullptr);  // one program may read a serial line
+	auto begun = devicebridge::GloveFitting::begin(address, file);
+	if (begun) m_fitting = std::move(begun).value();
+	else m_message = "no calibration: " + begun.error().message;
+}
+
+void Browser::followCalibration()
+{
+	using State = devicebridge::GloveFitting::State;
+	if (!m_fitting || m_fitting->state() == State::Written) return;
+	switch (m_fitting->update())
+	{
+	case State::Written:
+		std::snprintf(m_address, sizeof m_address, "%s", m_fitting->calibratedAddress().c_str());
+		chooseDevice(m_fitting->calibratedAddress(), false);
+		break;
+	case State::Failed:
+		m_message = "no calibration: " + m_fitting->complaint();
+		m_fitting.reset();
+		break;
+	default: break;
 	}
 }
 
@@ -286,6 +315,7 @@ void Browser::advance(double seconds)
 {
 	keep(m_frameTimes, 1e3 * seconds);
 	m_affordable.took(seconds - std::exchange(m_stepping, 0));
+	followCalibration();
 	if (!m_demo || m_paused || !(seconds > 0)) return;
 	const bool felt = !m_demo->felt().empty();
 	if (m_device)

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "DeviceBridge/Drivers/DeviceRegistry.h"
+#include "DeviceBridge/Drivers/Glove/GloveFitting.h"
 #include "demos/browser/base/DeviceHand.h"
 #include "demos/browser/catalog/BesideStock.h"
 #include "demos/browser/view/AffordableQuality.h"
@@ -68,6 +69,13 @@ public:
 	void lookForDevices();
 	/// What lookForDevices() found. `scheme` holds the address; that of a file still needs its path.
 	const std::vector<devicebridge::DriverReport>& foundDevices() const { return m_found; }
+	/// Begins to calibrate the glove at an address, for which it lets the present device go. advance() follows it; when the file is
+	/// written, the glove is used with it. The message says why a calibration fails.
+	void calibrate(const std::string& address, const std::string& file);
+	/// Steps of the calibration; null before the first, and after one that failed.
+	devicebridge::GloveFitting* fitting() { return m_fitting.get(); }
+	/// The device that is used; null: none.
+	const DeviceHand* device() const { return m_device.get(); }
 	/// From now on a hand at the device that is used feels the tools of demos, by a thread of its own.
 	void feelForces();
 	/// Mouse events on the scene. x and y are shares of the scene's width and height, from its upper left corner. `turns`: the modifier
@@ -106,6 +114,8 @@ private:
 	void drawPairs();
 	void drawChoices();
 	void drawDevices();
+	void drawCalibration();
+	void followCalibration();
 	void stepOnce(double h);
 	double deviceScale() const;
 	RenderQuality quality() const;
@@ -132,7 +142,8 @@ private:
 	double m_stepping = 0;   // time for stepping between the last two pictures [s]
 	std::string m_message;
 	char m_search[64] = {};
-	char m_address[128] = "sim:sigma7";
+	char m_address[512] = "sim:sigma7", m_calibrationFile[256] = "glove.json";
+	std::unique_ptr<devicebridge::GloveFitting> m_fitting;
 	bool m_wantsForces = true;
 	std::vector<devicebridge::DriverReport> m_found;
 	double m_owed = 0, m_speed = 1, m_sceneLeft = 0, m_sceneWidth = 0, m_sceneHeight = 0;

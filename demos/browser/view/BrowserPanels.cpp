@@ -243,6 +243,7 @@ void Browser::drawDevices()
 		ImGui::TextColored(
 			felt.empty() && state != "ready" ? kBad : kGood, "%s", state == "ready" ? "moves, without force" : state.c_str());
 	}
+	drawCalibration();
 	for (const devicebridge::DriverReport& found : m_found)
 	{
 		const bool there = found.missing.empty();
@@ -256,5 +257,18 @@ void Browser::drawDevices()
 		ImGui::SameLine();
 		ImGui::TextWrapped("%s", there ? found.what.c_str() : found.missing.c_str());
 	}
+}
+
+void Browser::drawCalibration()
+{
+	ImGui::InputText("file", m_calibrationFile, sizeof m_calibrationFile);
+	if (ImGui::Button("calibrate")) calibrate(m_address, m_calibrationFile);
+	if (!m_fitting) return;
+	if (m_fitting->state() == devicebridge::GloveFitting::State::Pose)
+	{
+		ImGui::SameLine();
+		if (ImGui::Button("I hold it")) m_fitting->confirm();
+	}
+	ImGui::TextWrapped("%s", m_fitting->order().c_str());
 }
 }  // namespace browser

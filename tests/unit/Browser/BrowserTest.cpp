@@ -5,6 +5,8 @@
 
 #include "tests/unit/Browser/RecordedHand.h"
 #include "tests/unit/Browser/StillDemo.h"
+#include "tests/unit/DeviceBridge/Drivers/DriverRun.h"
+#include "tests/unit/DeviceBridge/Drivers/SerialGlove.h"
 
 #include <gtest/gtest.h>
 
@@ -454,6 +456,55 @@ TEST(Browser, ListsAddressesThatOpen)
 		++simulated;
 	}
 	EXPECT_GE(simulated, 5U);
+}
+
+TEST(Browser, CalibratesAGloveAndUsesItThen)
+{
+	Rig rig;
+	START_OR_SKIP(rig);
+	rig.browser->open("bunny");
+	const std::string file = std::filesystem::path(testing::TempDir()) / "browser-glove.json";
+	rig.browser->calibrate("sim:touch", file);
+	EXPECT_EQ(rig.browser->fitting(), nullptr);
+	EXPECT_NE(rig.browser->message().find("needs no calibration"), std::string::npos) << rig.browser->message();
+
+	using State = devicebridge::GloveFitting::State;
+	const auto until = [&](const auto& isSo) {
+		return devicebridge::within([&] {
+			rig.browser->advance(1.0 / 60);
+			return isSo();
+		});
+	};
+	const auto pose = [](int value) {
+		devicebridge::GloveValues values;
+		values.fill(static_cast<uint8_t>(value));
+		return values;
+	};
+	devicebridge::SerialGlove glove(22);
+	glove.set(pose(60));
+	for (const int fist : {62, 160})  // a fist that is none, then one
+	{
+		glove.set(pose(60));
+		rig.browser->calibrate("glove:" + glove.path(), file);
+		ASSERT_NE(rig.browser->fitting(), nullptr) << rig.browser->message();
+		rig.draw();
+		rig.browser->fitting()->confirm();
+		EXPECT_TRUE(until([&] { return rig.browser->fitting()->state() == State::Pose; }));
+		glove.set(pose(fist));
+		rig.browser->fitting()->confirm();
+		rig.draw();
+		if (fist == 160) break;
+		EXPECT_TRUE(until([&] { return rig.browser->fitting() == nullptr; }));
+		EXPECT_NE(rig.browser->message().find("moves by 2 steps"), std::string::npos) << rig.browser->message();
+		EXPECT_FALSE(std::filesystem::exists(file));
+	}
+	EXPECT_TRUE(until([&] { return rig.browser->fitting()->state() == State::Written; }));
+	EXPECT_EQ(rig.browser->message(), "");
+	ASSERT_NE(rig.browser->device(), nullptr);
+	EXPECT_TRUE(until([&] { return rig.browser->device()->state().find("moves no tool") != std::string::npos; }))
+		<< rig.browser->device()->state();
+	rig.draw();
+	std::filesystem::remove(file);
 }
 
 TEST(Browser, SavesWhatItShowsAsASceneFile)

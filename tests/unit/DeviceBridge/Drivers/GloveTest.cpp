@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: Zlib
-#include <atomic>
 #include <filesystem>
 #include <fstream>
-#include <mutex>
 #include <random>
-#include <thread>
 
 #include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Drivers/Glove/GloveFrames.h"
 #include "DeviceBridge/Drivers/Glove/GloveHand.h"
 #include "tests/unit/DeviceBridge/Drivers/DriverRun.h"
 #if !defined(_WIN32)
-#include "tests/unit/DeviceBridge/Drivers/PseudoTerminal.h"
+#include "tests/unit/DeviceBridge/Drivers/SerialGlove.h"
 #endif
 
 using namespace devicebridge;
@@ -34,63 +31,6 @@ GloveAngles randomAngles(std::mt19937_64& random)
 
 constexpr int kFirstJoints[4] = {kIndexMetacarpal, kMiddleMetacarpal, kRingMetacarpal, kLittleMetacarpal};
 constexpr int kKnuckles[4] = {kIndexKnuckle, kMiddleKnuckle, kRingKnuckle, kLittleKnuckle};
-
-#if !defined(_WIN32)
-/// A glove that sends `values` until the test changes them.
-class Glove
-{
-public:
-	explicit Glove(int sensors) : m_sensors(sensors), m_thread([this] { live(); }) { m_values.fill(100); }
-	~Glove()
-	{
-		m_ending = true;
-		m_thread.join();
-	}
-	const std::string& path() const { return m_line.path(); }
-	void set(const GloveValues& values)
-	{
-		const std::lock_guard<std::mutex> lock(m_mutex);
-		m_values = values;
-	}
-	std::atomic<bool> silent{false}, noisy{false}, unplugged{false};
-	std::atomic<int> stops{0};
-
-private:
-	void live()
-	{
-		bool streaming = false;
-		std::mt19937 random(1);
-		while (!m_ending)
-		{
-			const std::string asked = m_line.receive(2);
-			for (const char c : asked)
-			{
-				if (c == '\x03') streaming = false, ++stops;
-				if (c == 'S') streaming = true;
-			}
-			if (unplugged) m_line.pull();
-			if (unplugged) return;
-			if (!streaming || silent) continue;
-			std::string frame = "S";
-			{
-				const std::lock_guard<std::mutex> lock(m_mutex);
-				for (int i = 0; i < kGloveSensors; ++i)
-					if (m_sensors == 22 || !isDistal(i)) frame += static_cast<char>(m_values[static_cast<std::size_t>(i)]);
-			}
-			frame += '\0';
-			if (noisy && random() % 3 == 0) frame.erase(random() % frame.size(), 1 + random() % 3);
-			m_line.send(frame);
-		}
-	}
-
-	PseudoTerminal m_line;
-	int m_sensors;
-	std::mutex m_mutex;
-	GloveValues m_values;
-	std::atomic<bool> m_ending{false};
-	std::thread m_thread;
-};
-#endif
 
 GloveValues randomValues(std::mt19937_64& random)
 {
@@ -304,7 +244,7 @@ TEST(Glove, JointsOfBothKindsArriveFromTheSerialLine)
 	std::mt19937_64 random(10);
 	for (const int sensors : {18, 22})
 	{
-		Glove glove(sensors);
+		SerialGlove glove(sensors);
 		auto device = DeviceRegistry().open("glove:" + glove.path() + "?hand=left&calibration=" + file);
 		ASSERT_TRUE(device) << device.error().message;
 		EXPECT_EQ(device.value()->info().sensed, static_cast<unsigned>(kHandJointsSensed));
@@ -348,7 +288,7 @@ TEST(Glove, JointsOfBothKindsArriveFromTheSerialLine)
 
 TEST(Glove, APulledCableIsExplainedAndASilentGloveIsFrozen)
 {
-	Glove glove(22);
+	SerialGlove glove(22);
 	auto device = DeviceRegistry().open("glove:" + glove.path());
 	ASSERT_TRUE(device) << device.error().message;
 	DriverRun run(*device.value());
