@@ -211,6 +211,19 @@ TEST_F(StudyFiles, ATouchThatGoesOnIsNoNewOne)
 	EXPECT_EQ(table("s-p2-trials.csv").front().at("duration_s"), table("s-p1-trials.csv").front().at("duration_s"));
 }
 
+// The ball slides on the floor, which it touches all the time, against the side of the plate.
+TEST_F(StudyFiles, ASecondBodyEndsATrialThatAnyBodyEnds)
+{
+	std::string study = studyOf(R"("begin": {"contact": ["floor"]}, "end": {"contact": []}, )");
+	study.replace(study.find("\"set\": {"), 8, R"("set": {"hand.path": [{"time": 0, "position": [0, 0.05, 0]},
+		{"time": 0.5, "position": [0, 0.015, 0]}, {"time": 1.5, "position": [0.1, 0.015, 0]}], )");
+	ASSERT_TRUE(run(study));
+	const auto trial = table("s-p1-trials.csv").front();
+	EXPECT_EQ(trial.at("ended_by"), "plate");
+	EXPECT_NEAR(std::stod(table("s-p1-samples.csv").back().at("tool_x")), 0.06, 2e-3);
+	EXPECT_NEAR(std::stod(trial.at("contact_s")), std::stod(trial.at("duration_s")), 2e-3);
+}
+
 TEST_F(StudyFiles, SamplesHaveThePoseOfTheToolsMesh)
 {
 	// A crown stands on its lower edge: its centre of mass lies above the origin of its mesh.

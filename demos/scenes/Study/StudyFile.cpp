@@ -16,11 +16,7 @@ namespace
 constexpr double kLongestTrial = 1800;  // [s]; every tick of a trial is kept in memory
 constexpr int64_t kMostTrials = 1000;
 
-bool isFileName(const std::string& name)
-{
-	return !name.empty() && name.size() <= 100 &&
-		std::all_of(name.begin(), name.end(), [](unsigned char c) { return c < 128 && (std::isalnum(c) || c == '-' || c == '_'); });
-}
+constexpr const char* kNameCharacters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
 
 class StudyReader
 {
@@ -33,13 +29,13 @@ public:
 
 	Result<Study> read(const std::string& path)
 	{
-		m_study.file = path;
 		JsonFields root(m_source, m_source.root(), "", m_problem);
 		root.need("schema");
 		if (root.number("schema", 1, -1e9, 1e9) != 1) root.refuse("schema", "this program reads schema 1");
 		m_study.name = root.text("name", std::filesystem::path(path).stem().string());
-		if (!isFileName(m_study.name)) root.refuse("name", "names the results: letters, digits, - and _, at most 100");
-		m_study.about = root.text("about");
+		if (m_study.name.empty() || m_study.name.size() > 100 || m_study.name.find_first_not_of(kNameCharacters) != std::string::npos)
+			root.refuse("name", "names the results: letters, digits, - and _, at most 100");
+		root.text("about");
 		m_study.seed = static_cast<uint64_t>(root.whole("seed", 1, 0, int64_t(1) << 53));
 		m_study.repetitions = static_cast<int>(root.whole("repetitions", 1, 1, kMostTrials));
 		m_study.sampleRate = root.number("sampleRate", m_study.sampleRate, 0.1, 1000);
@@ -75,15 +71,13 @@ private:
 			if (!(*bodies)[i].isText()) f.refuse("contact", "wants the names of bodies, or [] for any body");
 			event.bodies.push_back((*bodies)[i].text());
 		}
-		if (event.bodies.size() > StudyEvent::kMostBodies) f.refuse("contact", "wants at most 64 bodies");
 		f.finish();
 		return event;
 	}
 
 	void readCondition(const Json& object, size_t i)
 	{
-		const std::string path = "conditions[" + std::to_string(i) + "]";
-		JsonFields f(m_source, object, path, m_problem);
+		JsonFields f(m_source, object, "conditions[" + std::to_string(i) + "]", m_problem);
 		StudyCondition condition;
 		f.need("name");
 		f.need("scene");
@@ -98,57 +92,43 @@ private:
 		f.finish();
 		if (m_problem) return;
 		Result<Scene> scene = loadScene(condition.sceneFile, settings);
-		if (scene && !m_device.empty() && !scene.value().hands.empty())
-		{
-			if (!checkOrigin(f, condition.sceneFile, scene.value().hands.front())) return;
-			replaceDevice(condition.sceneFile, scene.value().hands.front(), settings);
-			scene = loadScene(condition.sceneFile, settings);
-		}
 		if (!scene) return f.refuse("", scene.error().message);
-		condition.scene = scene.value();
-		condition.place = m_source.problem(path, "").message;
+		condition.scene = std::move(scene).value();
 		checkScene(f, condition);
+		if (!m_device.empty() && !m_problem) replaceDevice(f, condition);
 		m_study.conditions.push_back(std::move(condition));
 	}
 
-	/// Refuses a first hand whose world is where its path begins, because another device has no path.
-	bool checkOrigin(JsonFields& f, const std::string& file, const SceneHand& hand)
+	/// Gives the first hand the device of the study, which has no path: where a world begins with its path, that place is lost.
+	void replaceDevice(JsonFields& f, StudyCondition& condition)
 	{
-		if (hand.X_BW || hand.path.empty()) return true;
-		f.refuse("scene", file + " does not say where the world of another device is: its first hand wants an origin");
-		return false;
-	}
-
-	/// Settings that give the first hand the device of the study. A study has its own time limits.
-	void replaceDevice(const std::string& file, const SceneHand& first, std::vector<SceneSetting>& settings) const
-	{
-		const Result<JsonSource> json = JsonSource::load(file);
-		const bool several = json && json.value().root().contains("hands");
-		const std::string hand = several ? "hands[0]" : "hand";
-		settings.insert(settings.end(), {{hand + ".device", m_device}, {"duration", 1}});
-		if (!first.path.empty()) settings.push_back({hand + ".path", Json::list()});
+		SceneHand& first = condition.scene.hands.front();
+		if (!first.X_BW && !first.path.empty())
+			f.refuse("scene", condition.sceneFile + " does not say where the world of another device is: its first hand wants an origin");
+		first.device = m_device;
+		first.devicePlace = "--device";
+		first.path.clear();
 	}
 
 	/// Refuses a scene in which the study could not be run.
 	void checkScene(JsonFields& f, const StudyCondition& condition)
 	{
-		if (condition.scene.hands.empty()) f.refuse("scene", condition.sceneFile + " has no hand");
-		std::vector<std::string> touched = m_study.begin.bodies;
-		touched.insert(touched.end(), m_study.end.bodies.begin(), m_study.end.bodies.end());
-		if (!condition.answer.empty()) touched.push_back(condition.answer);
-		for (const std::string& name : touched)
-			if (!condition.scene.hasBody(name)) f.refuse("scene", "no body of " + condition.sceneFile + " is called " + name);
-		if (!condition.answer.empty() &&
-			std::find(m_study.end.bodies.begin(), m_study.end.bodies.end(), condition.answer) == m_study.end.bodies.end())
+		const std::string& file = condition.sceneFile;
+		if (condition.scene.hands.empty()) f.refuse("scene", file + " has no hand");
+		for (const StudyEvent* event : {&m_study.begin, &m_study.end})
+			for (const std::string& name : event->bodies)
+				if (!condition.scene.hasBody(name)) f.refuse("scene", "no body of " + file + " is called " + name);
+		const std::vector<std::string>& ends = m_study.end.bodies;
+		if (!condition.answer.empty() && std::find(ends.begin(), ends.end(), condition.answer) == ends.end())
 			f.refuse("answer", condition.answer + " is none of the bodies whose contact ends a trial");
 		for (const SceneHook& hook : condition.scene.hooks)
+		{
 			if (hook.action == SceneHook::Action::Record || hook.action == SceneHook::Action::Stop)
-				f.refuse("scene", "a study keeps samples and ends trials by itself; " + condition.sceneFile + " has a hook that does");
-		const bool byButton = m_study.begin.kind == StudyEvent::Kind::Button;
-		for (const SceneHook& hook : condition.scene.hooks)
-			if (byButton && hook.action == SceneHook::Action::Switch && hook.what == SceneHook::What::Forces && hook.hand.value_or(0) == 0)
-				f.refuse("scene",
-					"a study that begins with a button switches the forces by itself; " + condition.sceneFile + " has a hook that does");
+				f.refuse("scene", "a study keeps samples and ends trials by itself; " + file + " has a hook that does");
+			const bool switches = hook.action == SceneHook::Action::Switch && hook.what == SceneHook::What::Forces;
+			if (switches && hook.hand.value_or(0) == 0 && m_study.begin.kind == StudyEvent::Kind::Button)
+				f.refuse("scene", "a study that begins with a button switches the forces by itself; " + file + " has a hook that does");
+		}
 	}
 
 	const JsonSource& m_source;

@@ -20,14 +20,12 @@ struct StudyEvent
 	};
 	Kind kind = Kind::None;
 	int button = 1;                   ///< number of the button, from 1 to 32
-	std::vector<std::string> bodies;  ///< for a contact, at most kMostBodies of them; empty: any body
-	static constexpr size_t kMostBodies = 64;
+	std::vector<std::string> bodies;  ///< for a contact; empty: any body
 };
 
 struct StudyCondition
 {
-	std::string name, place;
-	std::string sceneFile;
+	std::string name, sceneFile;
 	Scene scene;         ///< the scene with the settings of the condition
 	std::string answer;  ///< body whose touch is the right answer; empty: no answer is asked for
 };
@@ -35,7 +33,7 @@ struct StudyCondition
 /// The contents of a study file (data/studies/README.md). SI units.
 struct Study
 {
-	std::string file, name, about;
+	std::string name;
 	uint64_t seed = 1;
 	int repetitions = 1;
 	double sampleRate = 100;                ///< rows a second in the file of samples [Hz]

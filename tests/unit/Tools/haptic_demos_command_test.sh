@@ -96,7 +96,7 @@ expect "a study knows its participant" 2 "--study needs --participant N" "${stud
 expect "participants count from 1" 2 "--participant must be a positive whole number, not 0" "${study[@]}" --participant 0
 expect "participants are for studies" 2 "--participant goes with --study" "$demos" --scene "$dir/good.json" --participant 1
 expect "a study has no report" 2 "--study goes without --report" "${study[@]}" --participant 1 --report "$dir/x.html"
-expect "the device of a study has an address" 1 "hand.device: wants an address" \
+expect "the device of a study has an address" 1 "--device: No device scheme matches 'sigma7'" \
 	"${study[@]}" --participant 9 --device sigma7
 expect "a session needs a hand" 1 "$dir/handless.json:1: hand: is missing: a session needs one, such as" \
 	"$demos" --scene "$dir/handless.json"
