@@ -12,8 +12,7 @@ CouplingGains gainsForDevice(const DeviceInfo& info, double period, const Assump
 	scaleLimits(known, 1 / scale);
 	assumeLimits(known);
 	CouplingGains gains = passiveGains(known, known.damping, known.angularDamping, period);
-	std::string assumed;
-	if (known.assumed) assumed = known.source;
+	std::string assumed = assumedInWords(known);
 	const auto say = [&](const std::string& what) { assumed += (assumed.empty() ? "" : "; ") + what; };
 	const bool moves = info.actuated & kTranslation, turns = info.actuated & kRotation;
 	if (moves && !(gains.stiffness > 0))

@@ -11,7 +11,8 @@ namespace devicebridge
 {
 namespace
 {
-constexpr double kTick = 1e-3;  // [s]
+constexpr double kTick = 1e-3;                              // [s]
+const std::string kAssumed = "assumed, ", kBetween = "; ";  // before what is assumed, and between the parts of a source
 
 struct Limit
 {
@@ -78,7 +79,7 @@ unsigned fillFrom(const DeviceInfo& profile, DeviceInfo& info)
 	return filled;
 }
 
-void say(DeviceInfo& info, const std::string& what) { info.source += (info.source.empty() ? "" : "; ") + what; }
+void say(DeviceInfo& info, const std::string& what) { info.source += (info.source.empty() ? "" : kBetween) + what; }
 
 std::string listOf(unsigned bits)
 {
@@ -109,20 +110,33 @@ void assumeLimits(DeviceInfo& info)
 		filled = fillFrom(*known, info);
 	}
 	info.assumed |= filled;
-	if (filled) say(info, "assumed, of the profile " + info.profile + ": " + listOf(filled));
+	if (filled) say(info, kAssumed + "of the profile " + info.profile + ": " + listOf(filled));
 	else info.profile.clear();
 	DeviceInfo careful;
 	careful.peakForce = kCarefulForce;
 	filled = fillFrom(careful, info);
 	info.assumed |= filled;
-	if (filled) say(info, "assumed, because nothing is known, 2 N: " + listOf(filled));
+	if (filled) say(info, kAssumed + "because nothing is known, 2 N: " + listOf(filled));
 	DeviceInfo least;
 	least.damping = info.maxStiffness * kTick / 2;
 	least.angularDamping = info.maxAngularStiffness * kTick / 2;
 	filled = fillFrom(least, info);
 	info.assumed |= filled;
-	if (filled) say(info, "assumed, the least with which the stiffness is passive at 1 kHz: " + listOf(filled));
+	if (filled) say(info, kAssumed + "the least with which the stiffness is passive at 1 kHz: " + listOf(filled));
 	if ((info.actuated & kTranslation) && !(info.maxStiffness > 0)) say(info, "unknown: max_stiffness");
+}
+
+std::string assumedInWords(const DeviceInfo& info)
+{
+	std::string words;
+	const std::string source = info.assumed ? info.source : "";
+	for (std::size_t at = 0; at < source.size();)
+	{
+		const std::size_t end = std::min(source.find(kBetween, at), source.size());
+		if (source.compare(at, kAssumed.size(), kAssumed) == 0) words += (words.empty() ? "" : kBetween) + source.substr(at, end - at);
+		at = end + kBetween.size();
+	}
+	return words;
 }
 
 std::vector<std::string> namesOfAssumed(unsigned assumed)

@@ -21,6 +21,9 @@ std::string profileOfModel(const std::string& maker, const std::string& model);
 /// motors of an unknown peak. `assumed` names the filled limits, and `source` their origin. Profiles are read from memory; allocates.
 void assumeLimits(DeviceInfo& info);
 
+/// The parts of `source` that assumeLimits() wrote: what was assumed, and where from; empty if nothing was.
+std::string assumedInWords(const DeviceInfo& info);
+
 /// Names of the bits of DeviceInfo::assumed, as `devicebridge info` prints them.
 std::vector<std::string> namesOfAssumed(unsigned assumed);
 }  // namespace devicebridge

@@ -50,6 +50,18 @@ TEST(DeviceGains, AModelWithAProfileGetsThatOfItsProfileAndSaysSo)
 	EXPECT_NE(heard.text.find("Inverse3: assumed, of the profile inverse3: peak_force"), std::string::npos) << heard.text;
 }
 
+TEST(DeviceGains, WhatTheDeviceKnowsIsNotSaidToBeAssumed)
+{
+	DeviceInfo info = simulatedProfile("sigma7").value().info;
+	EXPECT_NE(info.source.find("device table"), std::string::npos) << info.source;
+	info.maxStiffness = 0;
+	Heard heard;
+	gainsForDevice(info, 1e-3, heard.listener());
+	EXPECT_EQ(heard.text.rfind("sigma.7: assumed, of the profile sigma7: max_stiffness", 0), 0U) << heard.text;
+	EXPECT_EQ(heard.text.find("device table"), std::string::npos) << heard.text;
+	EXPECT_EQ(heard.text.find("hand and"), std::string::npos) << heard.text;
+}
+
 TEST(DeviceGains, AnUnknownDeviceIsFeltCarefully)
 {
 	DeviceInfo info;
