@@ -20,12 +20,15 @@ Report freedoms(unsigned bits)
 
 int runList(bool json)
 {
-	Report report = newReport();
+	Report report = newReport(), missing = Report::list();
 	Report& drivers = report["drivers"] = Report::list();
 	for (const DriverReport& driver : DeviceRegistry().drivers())
 	{
 		Report& row = drivers.append(Report{{"scheme", driver.scheme + ":"}, {"available", driver.missing.empty()}, {"what", driver.what}});
-		if (!driver.missing.empty()) row["reason"] = driver.missing;
+		if (driver.missing.empty()) continue;
+		// Sentences make a table too wide to read.
+		if (json) row["reason"] = driver.missing;
+		else missing.append({{"scheme", driver.scheme + ":"}, {"reason", driver.missing}});
 	}
 	Report& devices = report["devices"] = Report::list();
 	for (const std::string& name : simulatedProfileNames())
@@ -35,6 +38,7 @@ int runList(bool json)
 		const DeviceInfo& info = profile.value().info;
 		devices.append({{"uri", info.uri}, {"maker", info.maker}, {"model", info.model}});
 	}
+	if (!missing.empty()) report["missing"] = missing;
 	print(report, json);
 	return kGood;
 }

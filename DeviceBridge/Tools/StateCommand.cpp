@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "DeviceBridge/Device/DeviceAddress.h"
 #include "DeviceBridge/Drivers/DeviceRegistry.h"
 #include "DeviceBridge/Timing/Clock.h"
 #include "DeviceBridge/Tools/Commands.h"
@@ -13,6 +14,7 @@ namespace devicebridge::tools
 namespace
 {
 constexpr std::int64_t kTick = 1'000'000;  // [ns]
+constexpr std::int64_t kTries = 2000;      // ticks between two tries to open a device
 
 /// A device that is looked at, also while it is lost: drivers open it again by themselves.
 struct Watched
@@ -23,6 +25,12 @@ struct Watched
 	DeviceStatus status = DeviceStatus::NotOpen;
 	std::uint64_t samples = 0;
 
+	void open()
+	{
+		auto opened = DeviceRegistry().open(uri);
+		if (opened) device = std::move(opened).value();
+		else refusal = opened.error().message;
+	}
 	/// Reads once, without a force.
 	void read(std::int64_t now)
 	{
@@ -44,7 +52,8 @@ struct Watched
 		}
 		if (!isRigid(state.X_WH)) return "lost: " + std::string(describe(DeviceStatus::InvalidState));
 		const std::string missing = describeMissing(state.flags);
-		return missing.empty() ? "ready" : missing;
+		if (missing.empty()) return "ready";
+		return state.flags & kCalibrated ? missing : missing + ": " + howToCalibrate(uri);
 	}
 };
 
@@ -53,11 +62,8 @@ std::vector<Watched> openAll(const std::vector<std::string>& uris)
 	std::vector<Watched> devices;
 	for (const std::string& uri : uris)
 	{
-		Watched& added = devices.emplace_back();
-		added.uri = uri;
-		auto opened = DeviceRegistry().open(uri);
-		if (opened) added.device = std::move(opened).value();
-		else added.refusal = opened.error().message;
+		devices.emplace_back().uri = uri;
+		devices.back().open();
 	}
 	return devices;
 }
@@ -103,7 +109,12 @@ int runState(const StateArguments& arguments)
 	for (std::int64_t i = 0; i < static_cast<std::int64_t>(1000 * seconds); ++i)
 	{
 		clock.sleepUntil(start + i * kTick);
-		for (Watched& w : devices) w.read(clock.now());
+		for (Watched& w : devices)
+		{
+			// A device that was not there may be plugged in later.
+			if (arguments.watch && !w.device && i % kTries == kTries - 1) w.open();
+			w.read(clock.now());
+		}
 		// Words may allocate and wait, so they are asked for at 10 Hz.
 		if (arguments.watch && i % 100 == 50) reportChanges(devices, 1e-9 * static_cast<double>(clock.now() - start));
 	}

@@ -49,7 +49,7 @@ public:
 		}
 		CLI::App* calibrate = add(
 			"calibrate", "Fit a data glove to the hand that wears it, from two poses", [this] { return runCalibrate(m_run); });
-		calibrate->add_option("uri", m_run.uri, "address of the glove, for instance glove:/dev/ttyUSB0")->required();
+		calibrate->add_option("address", m_run.uri, "address of the glove, for instance glove:/dev/ttyUSB0")->required();
 		calibrate->add_option("-o,--output", m_run.output, "calibration to write")->required();
 		CLI::App* acceptance = addRun("acceptance", "Walk a person through a device, and write a file to send", runAcceptance, false);
 		acceptance->add_option("-o,--output", m_run.output, "file to write (JSON)")->required();
@@ -96,7 +96,7 @@ private:
 	CLI::App* addRun(const char* name, const char* description, int (*command)(const RunArguments&), bool timed)
 	{
 		CLI::App* sub = add(name, description, [this, command] { return command(m_run); });
-		sub->add_option("uri", m_run.uri, "address of the device, for instance sim:touchx")->required();
+		sub->add_option("address", m_run.uri, "address of the device, for instance sim:touchx")->required();
 		if (!timed) return sub;
 		sub->add_flag("--real-time", m_run.realTime, "run by the clock on the wall (virtual time)");
 		sub->add_option("--seconds", m_run.seconds, "how long")->check(CLI::Range(0.001, 3600.0))->capture_default_str();
@@ -109,7 +109,7 @@ private:
 			m_state.json = m_run.json;
 			return runState(m_state);
 		});
-		sub->add_option("uri", m_state.uris, "addresses of devices, for instance sim:touchx")->required();
+		sub->add_option("address", m_state.uris, "addresses of devices, for instance sim:touchx")->required();
 		sub->add_flag("--watch", m_state.watch, "print each change, such as an unplugged device, instead of a table");
 		sub->add_option("--seconds", m_state.seconds, "how long (0.5; with --watch an hour)")->check(CLI::Range(0.1, 86400.0));
 	}
@@ -120,7 +120,7 @@ private:
 			m_zwidth.json = m_run.json;
 			return runZWidth(m_zwidth);
 		});
-		sub->add_option("uri", m_zwidth.uri, "simulated device")->capture_default_str();
+		sub->add_option("address", m_zwidth.uri, "simulated device")->capture_default_str();
 		sub->add_option("--delay-ticks", m_zwidth.delayTicks, "by which a command takes effect later")
 			->transform(ist::tools::integerArgument(0, 31));
 		sub->add_flag("--quantised", m_zwidth.quantised, "positions come in the steps of the device's resolution");

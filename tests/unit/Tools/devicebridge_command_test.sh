@@ -51,6 +51,8 @@ expect "no command" 2 "$bridge"
 expect "help" 0 "$bridge" --help
 expect "version" 0 "$bridge" --version
 expect "list as text" 0 "$bridge" list
+grep -q '^  plugin:  *no libdevicebridge_NAME.so' "$dir/out" || { echo "FAILED list says what is missing"; failures=$((failures + 1)); }
+[ "$(sed -n '/^drivers/,/^missing/p' "$dir/out" | wc -L)" -le 110 ] || { echo "FAILED list is too wide"; failures=$((failures + 1)); }
 grep -q '^  sim:touchx  *3D Systems  *Touch X$' "$dir/out" || { echo "FAILED list as text"; failures=$((failures + 1)); }
 expect "unknown command" 2 "$bridge" lits
 grep -q 'the nearest is "list"' "$dir/err" || { echo "FAILED unknown command"; failures=$((failures + 1)); }
@@ -69,6 +71,12 @@ expect "a device that is lost while it is watched" 0 "$bridge" record sim:touchx
 expect "a device that is lost while it is watched" 1 "$bridge" state "replay:$dir/short.istdrec" --watch --seconds 1
 [ "$(grep -c "replay:$dir/short.istdrec  " "$dir/out")" -eq 2 ] && grep -q ' ready$' "$dir/out" && grep -q ' lost: ' "$dir/out" \
 	|| { echo "FAILED a device that is lost while it is watched"; cat "$dir/out"; failures=$((failures + 1)); }
+rm -f "$dir/later.istdrec"
+(sleep 1; cp "$dir/short.istdrec" "$dir/later.istdrec") &
+expect "a device that comes while it is watched" 1 "$bridge" state "replay:$dir/later.istdrec" --watch --seconds 3
+wait
+grep -q "later.istdrec\": opening the file failed" "$dir/out" && grep -q "later.istdrec  \(ready\|lost\)" "$dir/out" ||
+	{ echo "FAILED a device that comes while it is watched"; cat "$dir/out"; failures=$((failures + 1)); }
 expect "info" 0 "$bridge" info sim:touchx --json
 holds "info" 'r["peak_force"] == 7.9 and r["peak_torque"] is None and r["handedness"] == "either"' \
 	'and "peakForce: " in r["source"] and r["actuated"] == ["x", "y", "z"]'
