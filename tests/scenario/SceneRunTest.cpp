@@ -83,6 +83,16 @@ TEST(SceneRun, ADeviceWithMotorsInAPlaneFeelsTheFloor)
 	EXPECT_EQ(outcome.value().hands[0].ticks.back().wrench.force.z, 0);
 }
 
+TEST(SceneRun, AHandThatWouldFeelNothingIsRefusedAtItsLine)
+{
+	std::string text = scene("contact-in-tick", 0.04, 0.012);
+	const std::string tool = "\"tool\"";
+	text.replace(text.find(tool), tool.size(), R"("coupling": {"maxForce": 0, "maxTorque": 0}, "tool")");
+	const Result<SceneOutcome> outcome = runText(text);
+	ASSERT_FALSE(outcome);
+	EXPECT_NE(outcome.error().message.find(": hand: the gains of its coupling are zero"), std::string::npos) << outcome.error().message;
+}
+
 // Two bodies of a thousand spheres pressed together have many more pairs than this budget.
 TEST(SceneRun, ABudgetOfPairsIsKeptInEveryTick)
 {

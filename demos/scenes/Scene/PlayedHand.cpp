@@ -185,6 +185,11 @@ std::optional<Error> openHand(const SceneHand& scene, SceneWorld& world, Clock& 
 	else if (!scene.path.empty()) hand.X_BW.translation = (scene.path.front().X_BM * X_MP).translation;
 	if (auto refused = openDevice(scene, X_MP, hand)) return refused;
 	apply(scene.coupling, hand.gains);
+	if (!scene.parts && whyNotMoved(hand.gains)[0] != '\0')
+		return at(scene.place,
+			"the gains of its coupling are zero, so it would move nothing and feel nothing: leave stiffness, damping, maxForce and "
+			"maxTorque "
+			"out, and they are what the device bears");
 	return scene.parts ? makeParts(scene, world, clock, build, hand) : std::nullopt;
 }
 
