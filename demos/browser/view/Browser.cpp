@@ -89,6 +89,8 @@ void Browser::use(std::unique_ptr<DeviceHand> device)
 void Browser::chooseDevice(const std::string& address, bool forces)
 {
 	m_message.clear();
+	// A calibration in progress reads the serial line.
+	if (m_fitting && m_fitting->state() != devicebridge::GloveFitting::State::Written) m_fitting.reset();
 	if (address.empty()) return use(nullptr);
 	auto opened = DeviceHand::open(address);
 	if (!opened)
@@ -110,6 +112,7 @@ void Browser::lookForDevices()
 				m_found.push_back({"sim:" + name, driver.what, driver.missing});
 		else m_found.push_back({driver.scheme + ":", driver.what, driver.missing});
 	}
+	std::stable_partition(m_found.begin(), m_found.end(), [](const devicebridge::DriverReport& found) { return found.missing.empty(); });
 }
 
 void Browser::calibrate(const std::string& address, const std::string& file)

@@ -63,16 +63,16 @@ public:
 	/// From now on the device moves the demo's hand.
 	void use(std::unique_ptr<DeviceHand> device);
 	/// Opens a device and uses it, or lets the present one go if the address is empty. `forces`: feelForces(). If it cannot be opened, the
-	/// present one stays, and the message says why.
+	/// present one stays, and the message says why. Ends a calibration.
 	void chooseDevice(const std::string& address, bool forces);
 	/// Asks each driver whether it has a device. The simulated ones are listed by name.
 	void lookForDevices();
-	/// What lookForDevices() found. `scheme` holds the address; that of a file still needs its path.
+	/// What lookForDevices() found, drivers without a device last. `scheme` holds the address; that of a file still needs its path.
 	const std::vector<devicebridge::DriverReport>& foundDevices() const { return m_found; }
 	/// Begins to calibrate the glove at an address, for which it lets the present device go. advance() follows it; when the file is
 	/// written, the glove is used with it. The message says why a calibration fails.
 	void calibrate(const std::string& address, const std::string& file);
-	/// Steps of the calibration; null before the first, and after one that failed.
+	/// Steps of the calibration; null before the first, and after one that failed or was left.
 	devicebridge::GloveFitting* fitting() { return m_fitting.get(); }
 	/// The device that is used; null: none.
 	const DeviceHand* device() const { return m_device.get(); }

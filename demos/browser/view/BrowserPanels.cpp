@@ -261,14 +261,13 @@ void Browser::drawDevices()
 
 void Browser::drawCalibration()
 {
-	ImGui::InputText("file", m_calibrationFile, sizeof m_calibrationFile);
-	if (ImGui::Button("calibrate")) calibrate(m_address, m_calibrationFile);
+	if (ImGui::Button("calibrate into")) calibrate(m_address, m_calibrationFile);
+	ImGui::SameLine();
+	ImGui::PushItemWidth(-1);
+	ImGui::InputTextWithHint("##calibration", "file", m_calibrationFile, sizeof m_calibrationFile);
+	ImGui::PopItemWidth();
 	if (!m_fitting) return;
-	if (m_fitting->state() == devicebridge::GloveFitting::State::Pose)
-	{
-		ImGui::SameLine();
-		if (ImGui::Button("I hold it")) m_fitting->confirm();
-	}
 	ImGui::TextWrapped("%s", m_fitting->order().c_str());
+	if (m_fitting->state() == devicebridge::GloveFitting::State::Pose && ImGui::Button("I hold it")) m_fitting->confirm();
 }
 }  // namespace browser

@@ -447,7 +447,9 @@ TEST(Browser, ListsAddressesThatOpen)
 	rig.browser->open("bunny");
 	rig.browser->lookForDevices();
 	size_t simulated = 0;
-	for (const devicebridge::DriverReport& found : rig.browser->foundDevices())
+	const std::vector<devicebridge::DriverReport> all = rig.browser->foundDevices();
+	EXPECT_TRUE(std::is_partitioned(all.begin(), all.end(), [](const auto& found) { return found.missing.empty(); }));
+	for (const devicebridge::DriverReport& found : all)
 	{
 		EXPECT_EQ(std::count(found.scheme.begin(), found.scheme.end(), ':'), 1) << found.scheme;
 		if (found.scheme.rfind("sim:", 0) != 0) continue;
@@ -482,6 +484,9 @@ TEST(Browser, CalibratesAGloveAndUsesItThen)
 	};
 	devicebridge::SerialGlove glove(22);
 	glove.set(pose(60));
+	rig.browser->calibrate("glove:" + glove.path(), file);
+	rig.browser->chooseDevice("sim:touch", false);
+	EXPECT_EQ(rig.browser->fitting(), nullptr) << "another device ends it";
 	for (const int fist : {62, 160})  // a fist that is none, then one
 	{
 		glove.set(pose(60));
