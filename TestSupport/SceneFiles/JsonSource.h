@@ -53,6 +53,26 @@ public:
 	/// Null where it is missing or something else.
 	const ist::JsonValue* list(const std::string& name);
 	const ist::JsonValue* object(const std::string& name);
+	/// Reads every object of a list, and refuses unknown fields in each.
+	template <class Read> void eachOf(const std::string& name, const Read& read)
+	{
+		const ist::JsonValue* all = list(name);
+		for (size_t i = 0; all && i < all->size() && !m_problem; ++i)
+		{
+			JsonFields each(m_source, (*all)[i], pathOf(name) + "[" + std::to_string(i) + "]", m_problem);
+			read(each);
+			each.finish();
+		}
+	}
+	/// Reads the field `name`, which must be there, and refuses a name that one of `all` has.
+	template <class Named> std::string newName(const std::vector<Named>& all)
+	{
+		need("name");
+		const std::string name = text("name");
+		for (const Named& other : all)
+			if (other.name == name) refuse("name", "another one is called " + name + " already");
+		return name;
+	}
 	void need(const std::string& name);
 	void refuse(const std::string& name, const std::string& problem);
 	/// Refuses every field of the object that was not read.

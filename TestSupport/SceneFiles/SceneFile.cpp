@@ -32,14 +32,14 @@ Result<Scene> SceneReader::read(const std::string& name)
 	m_scene.duration = root.number("duration", 0, 1e-3, kLongestRun);
 	m_scene.gravity = root.vector("gravity", m_scene.gravity, 1000);
 	readThreads(root);
-	eachOf(root, "assets", [&](JsonFields& f, size_t) { readAsset(f); });
-	eachOf(root, "materials", [&](JsonFields& f, size_t) { readMaterial(f); });
+	root.eachOf("assets", [&](JsonFields& f) { readAsset(f); });
+	root.eachOf("materials", [&](JsonFields& f) { readMaterial(f); });
 	root.need("bodies");
-	eachOf(root, "bodies", [&](JsonFields& f, size_t) { readBody(f); });
+	root.eachOf("bodies", [&](JsonFields& f) { readBody(f); });
 	if (m_scene.bodies.empty()) root.refuse("bodies", "wants at least one");
 	readHands(root);
 	readWatch(root);
-	eachOf(root, "hooks", [&](JsonFields& f, size_t) { readHook(f); });
+	root.eachOf("hooks", [&](JsonFields& f) { readHook(f); });
 	root.finish();
 	if (m_problem) return *m_problem;
 	return m_scene;
@@ -82,7 +82,7 @@ void SceneReader::readAsset(JsonFields& f)
 {
 	SceneAsset asset;
 	asset.place = placeOf(f);
-	asset.name = newName(f, m_scene.assets);
+	asset.name = f.newName(m_scene.assets);
 	asset.mesh = fileName(f.text("mesh"));
 	asset.ist = fileName(f.text("ist"));
 	const int kinds = int(f.has("mesh")) + int(f.has("ist")) + int(f.has("shape"));
@@ -155,7 +155,7 @@ Mesh SceneReader::readCrown(JsonFields& f)
 void SceneReader::readMaterial(JsonFields& f)
 {
 	SceneMaterial material;
-	material.name = newName(f, m_materials);
+	material.name = f.newName(m_materials);
 	material.density = f.number("density", material.density, 1e-3, 1e6);
 	material.stiffness = f.number("stiffness", 0, 1, 1e15);
 	material.dissipation = f.number("dissipation", -1, 0, 1e6);
@@ -167,7 +167,7 @@ void SceneReader::readBody(JsonFields& f)
 {
 	SceneBody body;
 	body.place = placeOf(f);
-	body.name = newName(f, m_scene.bodies);
+	body.name = f.newName(m_scene.bodies);
 	if (int(f.has("asset")) + int(f.has("plane")) + int(f.has("box")) + int(f.has("sphere")) != 1)
 		f.refuse("", "wants exactly one of asset, plane, box and sphere");
 	if (f.has("asset")) body.asset = find(f, "asset", f.text("asset"), m_scene.assets, "asset");

@@ -19,7 +19,7 @@ void SceneReader::readHands(JsonFields& root)
 		readHand(f);
 		f.finish();
 	}
-	eachOf(root, "hands", [&](JsonFields& f, size_t) {
+	root.eachOf("hands", [&](JsonFields& f) {
 		f.need("name");
 		readHand(f);
 	});
@@ -67,7 +67,7 @@ void SceneReader::readTool(JsonFields& f, SceneHand& hand)
 	}
 	hand.toolGravity = f.flag("gravity", false);
 	if (const Json* coupling = f.object("coupling")) readCoupling(fields(*coupling, f.pathOf("coupling")), hand.coupling);
-	eachOf(f, "path", [&](JsonFields& frame, size_t) { readKeyFrame(frame, hand); });
+	f.eachOf("path", [&](JsonFields& frame) { readKeyFrame(frame, hand); });
 }
 
 void SceneReader::readParts(JsonFields& f, SceneHand& hand)

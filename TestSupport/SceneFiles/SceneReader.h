@@ -26,18 +26,6 @@ public:
 private:
 	JsonFields fields(const ist::JsonValue& object, const std::string& path) { return JsonFields(m_source, object, path, m_problem); }
 
-	/// Reads every object of a list, and refuses unknown fields in each.
-	template <class Read> void eachOf(JsonFields& parent, const std::string& name, const Read& read)
-	{
-		const ist::JsonValue* list = parent.list(name);
-		for (size_t i = 0; list && i < list->size() && !m_problem; ++i)
-		{
-			JsonFields each = fields((*list)[i], parent.pathOf(name) + "[" + std::to_string(i) + "]");
-			read(each, i);
-			each.finish();
-		}
-	}
-
 	/// Index of a name among the objects read so far.
 	template <class Named>
 	size_t find(JsonFields& f, const std::string& field, const std::string& wanted, const std::vector<Named>& all, const char* kind)
@@ -50,15 +38,6 @@ private:
 		}
 		f.refuse(field, std::string("no ") + kind + " is called " + wanted + (known.empty() ? "; there is none" : "; there are " + known));
 		return 0;
-	}
-
-	template <class Named> std::string newName(JsonFields& f, const std::vector<Named>& all)
-	{
-		f.need("name");
-		const std::string name = f.text("name");
-		for (const Named& other : all)
-			if (other.name == name) f.refuse("name", "another one is called " + name + " already");
-		return name;
 	}
 
 	std::string placeOf(const JsonFields& f, const std::string& name = {}) const;

@@ -45,8 +45,7 @@ public:
 		m_study.begin = readEvent(root, "begin");
 		m_study.end = readEvent(root, "end");
 		root.need("conditions");
-		const Json* list = root.list("conditions");
-		for (size_t i = 0; list && i < list->size() && !m_problem; ++i) readCondition((*list)[i], i);
+		root.eachOf("conditions", [&](JsonFields& f) { readCondition(f); });
 		if (m_study.conditions.empty()) root.refuse("conditions", "wants at least one");
 		if (m_study.repetitions * static_cast<int64_t>(m_study.conditions.size()) > kMostTrials)
 			root.refuse("repetitions", "makes more than " + std::to_string(kMostTrials) + " trials");
@@ -75,21 +74,17 @@ private:
 		return event;
 	}
 
-	void readCondition(const Json& object, size_t i)
+	void readCondition(JsonFields& f)
 	{
-		JsonFields f(m_source, object, "conditions[" + std::to_string(i) + "]", m_problem);
 		StudyCondition condition;
-		f.need("name");
+		condition.name = f.newName(m_study.conditions);
 		f.need("scene");
-		condition.name = f.text("name");
-		for (const StudyCondition& other : m_study.conditions)
-			if (other.name == condition.name) f.refuse("name", "another one is called " + condition.name + " already");
 		condition.sceneFile = (m_folder / f.text("scene")).lexically_normal().string();
 		condition.answer = f.text("answer");
 		std::vector<SceneSetting> settings;
 		if (const Json* set = f.object("set"))
 			for (const auto& [field, value] : set->fields()) settings.push_back({field, value});
-		f.finish();
+		f.finish();  // before the scene is read
 		if (m_problem) return;
 		Result<Scene> scene = loadScene(condition.sceneFile, settings);
 		if (!scene) return f.refuse("", scene.error().message);
