@@ -274,6 +274,9 @@ int run(int argc, char** argv)
 		scenes::listBrowserDemos();
 		return 0;
 	}
+	std::error_code failed;
+	if ((!a.paperFigures.empty() || a.demo == "assembly") && !std::filesystem::is_directory(a.scenes, failed))
+		return say("there is no folder " + a.scenes + " here: name that of the scene files by --scenes FOLDER"), 1;
 	if (!a.scene.empty()) return runSceneFile(a);
 	if (!a.study.empty()) return runStudyFile(a);
 	if (!a.paperFigures.empty()) return runPaperFigures(a);

@@ -111,6 +111,8 @@ expect "the figures run in real time" 2 "--paper-figures goes without --virtual-
 expect "the figures have their own meshes" 2 "--paper-figures goes without --mesh" "$demos" --paper-figures "$dir/figures" --mesh x.obj
 expect "an assembly takes its scenes from where one says" 1 "$dir/assembly-one-hand.json: cannot be read" \
 	"$demos" --demo assembly --scenes "$dir"
+expect "a folder of scenes that is not there" 1 "there is no folder $dir/none here: name that of the scene files by --scenes" \
+	"$demos" --demo assembly --scenes "$dir/none"
 expect "scenes are for the figures" 2 "--scenes goes with --paper-figures" "$demos" --scenes "$dir" --demo continuity
 expect "continuity has no world" 2 "--demo continuity goes without --world-rate" "$demos" --demo continuity --world-rate 100
 expect "the Z-width has no mesh" 2 "--demo z-width goes without --mesh" "$demos" --demo z-width --mesh x.obj
