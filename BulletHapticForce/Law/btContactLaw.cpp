@@ -15,8 +15,8 @@ constexpr double kFrictionRadiusPerRms = 0.93;
 // Times the sum of a patch's stiffnesses that it may have once what is negative is taken away.
 constexpr double kMostAdded = 2;
 constexpr double kPressedTime = 0.02;  // of the running mean of the normal force [s]
-// Most growth of k in a step by what presses, in e-folds: kGrowth (h / kTick)^2, at most one. A hand does not feel 1 % in its tick, and
-// the long steps of a game need it at once.
+// Most growth of k in a step by what presses, in e-folds: kGrowth (h / kTick)^2, at most one; kGrowth h / kTick in steps shorter than
+// kTick. A hand does not feel 1 % in its tick, and the long steps of a game need it at once.
 constexpr double kGrowth = 0.01, kTick = 1e-3;
 constexpr double kDecay = 20;  // of a k that an impact has raised, e-folds a second
 constexpr double kSpare = 4;   // k may stay so many times stiffer than needed; a k that falls lets a body creep
@@ -30,6 +30,12 @@ constexpr double kDampedRolling = 0.5;  // share of that which is left out of th
 constexpr double kAreaOfImpact = 0.1;   // area on which it stops, at least, as a share of the smaller surface: it grows as it sinks in
 
 double traceOfForces(const ist::SymmetricMatrix6& K) { return K(0, 0) + K(1, 1) + K(2, 2); }
+
+double mostGrowth(double h)
+{
+	const double ticks = h / kTick;
+	return std::min(kGrowth * ticks * std::max(ticks, 1.0), 1.0);
+}
 
 /// Area that the pressure acts on [m^2]. Where a body surrounds the other, its area vectors would cancel.
 double pressedArea(const btISTContact& contact)
@@ -263,7 +269,7 @@ double stiffnessUnder(const btPress& press, double least, double former, double 
 	double pressed = press.force / (press.area * press.aimed);
 	if (former > 0) pressed = std::min(pressed, former * press.depth / press.aimed);
 	double needed = std::max(least, pressed);
-	if (former > 0) needed = std::min(needed, former * std::exp(std::min(kGrowth * (h / kTick) * (h / kTick), 1.0)));
+	if (former > 0) needed = std::min(needed, former * std::exp(mostGrowth(h)));
 	return std::max(needed, std::min(former, std::max(kSpare * needed, former * std::exp(-kDecay * h))));
 }
 

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <random>
 
 using ist::Vec3;
@@ -300,6 +301,19 @@ TEST(ContactLaw, FrictionRadiusIsTheLeverOfADiscAndOfABall)
 	const double dip = 0.15, disc = std::sqrt(dip * (2 * a - dip));
 	ASSERT_TRUE(evaluateContactPatch(onHalfSpace(ball, ist::normalized({1, 2, 3}), dip - a, {}), 0, patch));
 	EXPECT_NEAR(patch.frictionRadius, 8.0 / 15 * disc, 0.04 * disc);
+}
+
+TEST(ContactLaw, StiffnessGrowsByTimeInShortStepsAndAtOnceInLongOnes)
+{
+	const btPress deep{1000, 1e-4, 1e-3, 1e-6};  // asks for a thousand times more
+	const auto growth = [&](double seconds, double h) {
+		double k = 1e6;
+		for (long i = std::lround(seconds / h); i > 0; --i) k = stiffnessUnder(deep, 0, k, h);
+		return k / 1e6;
+	};
+	for (const double h : {1e-3, 1e-4, 1e-5}) EXPECT_NEAR(growth(0.1, h), std::numbers::e, 1e-9) << h;
+	EXPECT_NEAR(growth(1. / 240, 1. / 240), std::exp(1 / (0.24 * 0.24) / 100), 1e-9);
+	EXPECT_NEAR(growth(1. / 60, 1. / 60), std::numbers::e, 1e-9);
 }
 
 TEST(ContactLaw, ExertsNothingWithoutForce)
