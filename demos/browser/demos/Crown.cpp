@@ -18,7 +18,7 @@ public:
 	{
 		Mesh crown = scenes::makeCrownMesh();
 		for (Vec3& p : crown.vertices) p = {p.x, p.z, -p.y};
-		if (auto error = makeSolid(m_crown, "crown", crown, 3000, options)) return error;
+		if (auto error = makeSolid(m_crown, "crown", crown, 10000, options)) return error;
 		if (auto error = makeSolid(m_plate, "plate", makeBoxMesh({0.075, 0.004, 0.075}), 800, options)) return error;
 		return std::nullopt;
 	}
@@ -47,14 +47,14 @@ protected:
 		BodySetup crown;
 		crown.name = "crown";
 		crown.fixed = true;
-		crown.stiffness = 2e8;
+		crown.stiffness = 1e11;
 		crown.friction = 0.2;
 		crown.colour = bodyColour(1);
 		w.add(m_crown, std::move(crown));
 		BodySetup plate;
 		plate.name = "plate";
 		plate.density = 2500;
-		plate.stiffness = 2e8;
+		plate.stiffness = 1e11;
 		plate.friction = 0.2;
 		plate.colour = bodyColour(0);
 		plate.X_WM = path(0);

@@ -75,7 +75,10 @@ protected:
 		mug.colour = {0.93f, 0.91f, 0.87f};
 		m_body = w.add(m_mug, std::move(mug));
 		if (!m_body) return std::nullopt;
-		if (auto error = putHand(w)) return error;
+		// With nothing set, what presses decides how stiff the skin is: softer fingers sink deep into the thin wall of a mug.
+		BulletHandSettings settings;
+		settings.skin = {};
+		if (auto error = putHand(w, settings)) return error;
 		m_map = makeHeatMap(model(), m_mug->mesh);
 		m_mapModel.reset();
 		m_nextMap = m_impulse = 0;

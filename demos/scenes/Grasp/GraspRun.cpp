@@ -15,7 +15,6 @@ namespace scenes
 {
 namespace
 {
-constexpr double kTableStiffness = 5e7;
 constexpr double kSampleEvery = 0.01;
 }  // namespace
 
@@ -70,7 +69,6 @@ std::optional<Error> GraspScene::start(double friction)
 	m_ground->setFriction(btScalar(1));
 	m_world->bullet().addRigidBody(m_ground.get());
 
-	if (auto refused = m_world->materials().set(m_ground.get(), {kTableStiffness, 2})) return refused;
 	Result<std::unique_ptr<GraspBody>> body = GraspBody::make(*m_world, m_solid, {}, m_object.mass, friction);
 	if (!body) return body.error();
 	m_body = std::move(body).value();
