@@ -157,4 +157,29 @@ std::optional<MotionHindsight> bestInHindsight(const std::vector<MotionChoice>& 
 	}
 	return found;
 }
+
+MotionControl controlled(const std::vector<MotionChoice>& choices, double tolerance)
+{
+	constexpr double kSafety = 0.8, kMostCoarser = 5;  // usual values of controls of the step
+	const size_t intervals = choices.front().costs.size();
+	MotionControl control;
+	double errorTimesRate = 0, lastRate = 0;
+	for (size_t i = 0; i < intervals; ++i)
+	{
+		const double allowed = tolerance * double(i + 1) / double(intervals) - control.error;
+		size_t c = 0;
+		while (
+			c + 1 < choices.size() && (errorTimesRate > kSafety * allowed * choices[c].rate || choices[c].rate * kMostCoarser < lastRate))
+			++c;
+		while (control.cost += choices[c].costs[i], !(choices[c].errors[i] <= allowed) && c + 1 < choices.size())
+		{
+			const double rate = choices[c].rate * choices[c].errors[i] / (kSafety * std::max(allowed, 1e-300));
+			for (++c; c + 1 < choices.size() && choices[c].rate < rate;) ++c;
+		}
+		control.error += choices[c].errors[i];
+		lastRate = choices[c].rate;
+		errorTimesRate = choices[c].errors[i] * lastRate;
+	}
+	return control;
+}
 }  // namespace bench

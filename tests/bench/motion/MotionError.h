@@ -47,6 +47,7 @@ std::vector<double> addedErrors(const MotionRun& run, const MotionRun& reference
 struct MotionChoice
 {
 	std::vector<double> costs, errors;  ///< in each interval
+	double rate = 1;                    ///< steps a second
 };
 /// Least cost of a choice that is the same in all intervals, and of one choice in each. In both the errors of all intervals add up to at
 /// most the tolerance. The second is what knowledge of all runs allows, by a Lagrange multiplier: a lower bound on the cost of any control
@@ -57,4 +58,15 @@ struct MotionHindsight
 	size_t fixed = 0;  ///< index of the first choice
 };
 std::optional<MotionHindsight> bestInHindsight(const std::vector<MotionChoice>& choices, double tolerance);
+
+/// A control of the step that does not know the future, at its best: it learns the error of an interval once it has stepped through it, for
+/// nothing and without an error of the estimate. It takes the coarsest choice whose error, as one of first order, should keep the sum of
+/// errors within the share of the tolerance that the time gone by allows. If the error is larger, the interval is stepped again, finer, and
+/// both costs count.
+struct MotionControl
+{
+	double cost = 0, error = 0;
+};
+/// `choices` from the coarsest to the finest.
+MotionControl controlled(const std::vector<MotionChoice>& choices, double tolerance);
 }  // namespace bench

@@ -122,6 +122,17 @@ TEST(MotionError, HindsightTakesCostlyStepsOnlyWhereTheyAreNeeded)
 	EXPECT_FALSE(bestInHindsight(choices, 1e-3));
 }
 
+TEST(MotionError, AControlWithoutForesightPaysForStepsThatItTakesAgain)
+{
+	const MotionChoice coarse{{1, 1, 1, 1}, {0.01, 0.01, 1, 0.01}, 1}, fine{{4, 4, 4, 4}, {0.001, 0.001, 0.02, 0.001}, 4};
+	// The third interval is stepped twice. Its error is more than its share, but there is nothing finer, so that the fourth is, too.
+	const MotionControl control = controlled({coarse, fine}, 0.05);
+	EXPECT_DOUBLE_EQ(control.cost, 1 + 1 + (1 + 4) + 4);
+	EXPECT_DOUBLE_EQ(control.error, 0.01 + 0.01 + 0.02 + 0.001);
+	// Where nothing is allowed, the finest is taken throughout, after one look at the coarse one.
+	EXPECT_DOUBLE_EQ(controlled({coarse, fine}, 0).cost, 1 + 4 * 4);
+}
+
 TEST(MotionError, ARunIsWrittenAndReadWhole)
 {
 	MotionRun run = runOfPositions({0.1, 1.0 / 3});

@@ -264,6 +264,8 @@ void addGains(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)
 	median("median of scenes with events", &MotionGain::byCount);
 	median("the same by processor time", &MotionGain::bySeconds);
 	median("the same, velocities charged", &MotionGain::byVelocity);
+	median("a control of the step that knows no future", &MotionGain::byControl);
+	median("the same, velocities charged", &MotionGain::byControlOfVelocity);
 	std::vector<std::string> fixed = {"median of their best fixed steps", "yes"};
 	for (size_t i = 0; i < kTolerances.size(); ++i)
 	{
@@ -277,6 +279,12 @@ void addGains(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)
 	page.table(head, rows);
 	page.paragraph("An error of velocity that an impact makes shows in later poses. The row with velocities charged gives it to the "
 				   "interval that makes it: with the change of velocity times the time that is left.");
+	page.paragraph(
+		"The control takes the coarsest step that should keep the errors so far within the share of the tolerance that the time so far "
+		"allows. Where an interval errs by more, it is stepped again, finer, and both count. It learns the error of an interval once it "
+		"has "
+		"stepped through it, exactly and for nothing: half-steps that estimate it would cost half as much again or more. Scenes in which "
+		"it misses the tolerance are left out.");
 }
 
 void addSingle(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)

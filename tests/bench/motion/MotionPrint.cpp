@@ -44,19 +44,25 @@ MedianGain medianGain(const std::vector<MotionFindings>& all, size_t tolerance, 
 
 void printGains(const std::vector<MotionFindings>& all)
 {
-	std::printf("\ncost of the best fixed step over steps chosen in hindsight: by queries and steps, by time, with velocities charged\n");
+	std::printf(
+		"\ncost of the best fixed step over steps chosen in hindsight: by queries and steps, by time, with velocities charged; over a "
+		"control of the step: by queries and steps, with velocities charged\n");
 	for (const MotionFindings& f : all)
 	{
 		std::printf("  %-14s", f.entry.name);
 		for (const MotionGain& g : f.gains)
-			std::printf("  %7.0e: %5d Hz %4.2f %4.2f %4.2f", g.tolerance, g.rate, g.byCount, g.bySeconds, g.byVelocity);
+			std::printf("  %7.0e: %5d Hz %4.2f %4.2f %4.2f; %4.2f %4.2f", g.tolerance, g.rate, g.byCount, g.bySeconds, g.byVelocity,
+				g.byControl, g.byControlOfVelocity);
 		std::printf("\n");
 	}
 	std::printf("  %-14s", "median, events");
 	for (size_t i = 0; i < kTolerances.size(); ++i)
-		std::printf("  %7.0e: %2zu scenes %4.2f %4.2f %4.2f", kTolerances[i], medianGain(all, i, &MotionGain::byCount).scenes,
-			medianGain(all, i, &MotionGain::byCount).median, medianGain(all, i, &MotionGain::bySeconds).median,
-			medianGain(all, i, &MotionGain::byVelocity).median);
+	{
+		const auto median = [&](double MotionGain::*gain) { return medianGain(all, i, gain).median; };
+		std::printf("  %7.0e: %2zu scenes %4.2f %4.2f %4.2f; %4.2f %4.2f", kTolerances[i], medianGain(all, i, &MotionGain::byCount).scenes,
+			median(&MotionGain::byCount), median(&MotionGain::bySeconds), median(&MotionGain::byVelocity), median(&MotionGain::byControl),
+			median(&MotionGain::byControlOfVelocity));
+	}
 	std::printf("\n");
 }
 }  // namespace bench

@@ -90,19 +90,28 @@ using CostOf = double (*)(const MotionCost&);
 double count(const MotionCost& cost) { return cost.count(); }
 double seconds(const MotionCost& cost) { return cost.seconds; }
 
-std::optional<MotionHindsight> hindsight(
-	const std::vector<MotionRun>& runs, const Reference& reference, double tolerance, CostOf cost, ErrorCharge charge)
+std::vector<MotionChoice> choicesOf(
+	const std::vector<MotionRun>& runs, const std::vector<int>& rates, const Reference& reference, CostOf cost, ErrorCharge charge)
 {
 	std::vector<MotionChoice> choices;
-	for (const MotionRun& run : runs)
+	for (size_t r = 0; r < runs.size(); ++r)
 	{
 		MotionChoice choice;
-		choice.errors = addedErrors(run, reference.run, reference.judgedCount, charge);
+		choice.rate = rates[r];
+		choice.errors = addedErrors(runs[r], reference.run, reference.judgedCount, charge);
 		for (size_t i = 1; i < reference.judgedCount; ++i)
-			choice.costs.push_back(cost(run.checkpoints[i].cost - run.checkpoints[i - 1].cost));
+			choice.costs.push_back(cost(runs[r].checkpoints[i].cost - runs[r].checkpoints[i - 1].cost));
 		choices.push_back(std::move(choice));
 	}
-	return bestInHindsight(choices, tolerance);
+	std::sort(choices.begin(), choices.end(), [](const MotionChoice& a, const MotionChoice& b) { return a.rate < b.rate; });
+	return choices;
+}
+
+double gainOfControl(const std::vector<MotionChoice>& choices, double tolerance)
+{
+	const auto fixed = bestInHindsight(choices, tolerance);
+	const MotionControl control = controlled(choices, tolerance);
+	return fixed && control.error <= tolerance ? fixed->fixedCost / control.cost : 0;
 }
 
 std::vector<MotionGain> gainsOf(
@@ -110,6 +119,9 @@ std::vector<MotionGain> gainsOf(
 {
 	std::vector<MotionGain> gains;
 	const auto ratio = [](const std::optional<MotionHindsight>& h) { return h && h->bestCost > 0 ? h->fixedCost / h->bestCost : 0; };
+	const auto byCountAndPose = choicesOf(runs, rates, reference, count, ErrorCharge::Pose);
+	const auto bySecondsAndPose = choicesOf(runs, rates, reference, seconds, ErrorCharge::Pose);
+	const auto byCountAndVelocity = choicesOf(runs, rates, reference, count, ErrorCharge::Velocity);
 	for (const double tolerance : kTolerances)
 	{
 		MotionGain gain;
@@ -117,11 +129,13 @@ std::vector<MotionGain> gainsOf(
 		gain.allowed = tolerance * truth.until * truth.growth.judged;
 		gains.push_back(gain);
 		if (truth.convergence > 0.5 * gain.allowed || gain.allowed > 1) continue;
-		const auto byCount = hindsight(runs, reference, gain.allowed, count, ErrorCharge::Pose);
+		const auto byCount = bestInHindsight(byCountAndPose, gain.allowed);
 		gain.byCount = ratio(byCount);
-		if (byCount) gain.rate = rates[byCount->fixed];
-		gain.bySeconds = ratio(hindsight(runs, reference, gain.allowed, seconds, ErrorCharge::Pose));
-		gain.byVelocity = ratio(hindsight(runs, reference, gain.allowed, count, ErrorCharge::Velocity));
+		if (byCount) gain.rate = int(byCountAndPose[byCount->fixed].rate);
+		gain.bySeconds = ratio(bestInHindsight(bySecondsAndPose, gain.allowed));
+		gain.byVelocity = ratio(bestInHindsight(byCountAndVelocity, gain.allowed));
+		gain.byControl = gainOfControl(byCountAndPose, gain.allowed);
+		gain.byControlOfVelocity = gainOfControl(byCountAndVelocity, gain.allowed);
 		gains.back() = gain;
 	}
 	return gains;

@@ -44,7 +44,10 @@ struct MotionGain
 	double allowed = 0;    ///< the error that is allowed: tolerance times the time judged and the growth of a perturbation in it
 	double byCount = 0, bySeconds = 0;  ///< cost of the best fixed step over cost in hindsight, by queries and steps, and by time; 0: none
 	double byVelocity = 0;              ///< by queries and steps, with ErrorCharge::Velocity
-	int rate = 0;                       ///< best fixed rate, by queries and steps
+	/// Cost of the best fixed step over that of a control of the step (`controlled`), by queries and steps, with each charge; 0: it misses
+	/// the tolerance.
+	double byControl = 0, byControlOfVelocity = 0;
+	int rate = 0;  ///< best fixed rate, by queries and steps
 };
 
 struct MotionFindings
