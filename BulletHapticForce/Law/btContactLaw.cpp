@@ -168,15 +168,6 @@ Matrix3 covariance(const ist::OverlapIntegrals& sums, const Eigen::Vector3d& c)
 	return second / sums.volume - c * c.transpose();
 }
 
-/// Relative growth of the area of a patch as the bodies approach [1/m].
-double areaGrowth(const ist::OverlapIntegrals& sums, const ist::PressurePair& pair)
-{
-	const double V = sums.volume, A = norm(sums.areaVector), depths = pair.weightA * sums.depthA + pair.weightB * sums.depthB;
-	const double ratio = std::clamp(2 * depths * A / (V * V), 1.0, 4.0 / 3);  // 2 (p + 1) / (p + 2)
-	const double growth = 2 * (ratio - 1) / ratio * A / V;
-	return std::isfinite(growth) ? growth : 0;
-}
-
 /// Stiffness that stops an approach: in this step, and altogether [Pa/m].
 double stiffnessOfStop(const btISTContact& contact, const btContactLoad& load, double area, double h)
 {
@@ -243,9 +234,6 @@ bool evaluateContactPatch(const btISTContact& contact, int patchIndex, btContact
 	const double kept = traceOfForces(patch.stiffness),
 				 share = kept > 0 ? std::clamp(kMostAdded * traceOfForces(exact) / kept, 0.0, 1.0) : 1;
 	for (double& s : patch.stiffness.m) s *= share;
-
-	patch.depth = sums.volume / norm(sums.areaVector);
-	patch.areaGrowth = areaGrowth(sums, pair);
 
 	patch.damping = ist::SymmetricMatrix6();
 	if (!(contact.constants.dissipation > 0)) return true;

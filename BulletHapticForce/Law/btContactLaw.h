@@ -13,9 +13,6 @@ struct btContactPatch
 	ist::SymmetricMatrix6 stiffness;  ///< -d(wrench)/d(translation, rotation) of A, positive semidefinite [N/m, N, N m]
 	ist::SymmetricMatrix6 damping;    ///< -d(wrench)/d(twist), positive semidefinite [N s/m, N s, N m s]
 	double frictionRadius = 0;  ///< lever of the drilling moment [m]: the largest moment about `normal` is the sliding friction times it
-	double depth = 0;           ///< mean depth: volume over area [m]
-	double areaGrowth = 0;      ///< growth of the area as the bodies approach, dA/dx / A [1/m]; zero for flat contact
-	double gap = 0;             ///< way along the normal before the bodies touch [m]; `wrench` is less than at the touch by its stiffness
 };
 
 /// Evaluates the pressure field law (docs/model.md) for one patch of a contact. Returns false, and leaves `patch` undefined, when the
@@ -27,9 +24,6 @@ struct btContactPatch
 ///
 /// The friction radius is 0.93 of the rms distance from the axis, weighted with the pressure. This is within 1.5 % of Int p rho dA / Int
 /// p dA for a flat disc (2/3 a) and for a ball on a plane (8/15 a).
-///
-/// The growth of the area is that of a contact whose area is a power p of its depth, 0 for flat ends and 1 for a ball on a plane. From the
-/// volume V = A x / (p + 1) and the integral of depth over it, A x^2 / ((p + 1) (p + 2)), follow p and dA/dx = p / (p + 1) A^2 / V.
 ///
 /// Cost: O(1), 1 to 2 us, most of it for an eigenvalue problem of size 6; dissipation adds 10 %. Allocates nothing.
 bool evaluateContactPatch(const btISTContact& contact, int patchIndex, btContactPatch& patch);

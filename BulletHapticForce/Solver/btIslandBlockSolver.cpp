@@ -81,7 +81,7 @@ int btIslandBlockSolver::addPatch(const btContactPatch& patch, int bodyA, int bo
 	p.body[1] = bodyB;
 	p.friction = friction;
 	p.active = true;
-	p.excess = p.grown = 0;
+	p.excess = 0;
 	Map<Mat6>(p.S) = h * h * toEigen(patch.stiffness) + h * toEigen(patch.damping);
 	Map<Vec6>(p.push) = h * toEigen(patch.wrench.force, patch.wrench.torque);
 	Map<Vec6>(p.given) = toEigen(given.linear, given.angular);
@@ -104,28 +104,6 @@ int btIslandBlockSolver::addPatch(const btContactPatch& patch, int bodyA, int bo
 	E.col(1).head<3>() = toEigen(t2);
 	E.col(2).tail<3>() = patch.frictionRadius * toEigen(patch.normal);
 	return m_patchCount++;
-}
-
-// With x the way behind the touch, the area grows to A (1 + g x), and the force along the normal is k A (depth + x + g x^2 / 2). What
-// slides along the surface meets no more of it.
-bool btIslandBlockSolver::relinearise(int patch, const btContactPatch& contact, double farthest, double h)
-{
-	Patch& p = m_patches[size_t(patch)];
-	const Eigen::Vector3d n = toEigen(p.normal);
-	Vec6 u;
-	relativeTwist(p, u.data());
-	const double x = std::clamp(-h * u.head<3>().dot(n) - contact.gap, 0.0, farthest), grown = contact.areaGrowth * x;
-	if (!(std::fabs(grown - p.grown) > 0.1 * (1 + p.grown))) return false;
-	Mat6 along = Mat6::Identity();
-	along.topLeftCorner<3, 3>() = n * n.transpose();
-	const Mat6 K = toEigen(contact.stiffness), D = toEigen(contact.damping), more = grown * along * K * along;
-	const double deeper = x / contact.depth * (1 + 0.5 * grown);
-	Map<Mat6>(p.S) = h * h * (K + more) + h * (D + deeper * along * D * along);
-	Map<Vec6>(p.push) = h * (toEigen(contact.wrench.force, contact.wrench.torque) - (contact.gap + 0.5 * x) * more.leftCols<3>() * n);
-	p.grown = grown;
-	p.active = true;
-	m_frictionPrepared = false;
-	return true;
 }
 
 int btIslandBlockSolver::addJointRow(const btIslandJointRow& row)

@@ -41,11 +41,6 @@ public:
 	/// Adds a patch, and returns its index. `bodyA` and `bodyB` are indices of bodies, or -1 for an immovable body. `given` is the twist
 	/// at `point` of the immovable bodies, as A minus B.
 	int addPatch(const btContactPatch& patch, int bodyA, int bodyB, const ist::Twist& given, double h, double friction);
-	/// Linearises a patch of curved contact where the last solution takes it, as a step of Newton's method: there its area has grown
-	/// (btContactPatch::areaGrowth), and with it the stiffness and damping of what lies along its normal. `contact` is what addPatch took.
-	/// A solution that lies more than `farthest` behind the touch [m] is taken for one there, because the next ones come nearer.
-	/// Returns true if the area differs by more than a tenth from that of the last linearisation; solve() then has something to do.
-	bool relinearise(int patch, const btContactPatch& contact, double farthest, double h);
 	/// Adds a row of a joint between bodies of the island, and returns its index.
 	int addJointRow(const btIslandJointRow& row);
 	/// Sets the start of the search for the patch's friction: an impulse on A about its point, of which only the part that friction can
@@ -98,7 +93,6 @@ private:
 		double asked[2][24], askedAtRest[4];
 		// principal axes (one per row) and eigenvalues of the response of the slip to friction; friction coefficient
 		double axes[9], yielding[3], friction = 0;
-		double grown = 0;   // by what share of itself the area has grown in the last linearisation
 		double excess = 0;  // additional response in the last visit that would bring the friction within its limit
 		double elastic[6];
 		size_t response = 0;  // index of its response in m_response

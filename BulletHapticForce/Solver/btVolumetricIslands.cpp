@@ -16,8 +16,6 @@ using namespace btSolverBodyMotion;
 namespace
 {
 constexpr double kCentralWay = 0.25;    // share of the thinner body that is left of a step after the first touch
-constexpr int kMostLinearisations = 4;  // of an island in a visit
-constexpr double kFarthest = 0.1;       // share of the thinner body behind the touch, up to which a contact is linearised
 constexpr int kMostSoftenings = 2;      // of contacts whose tanks hold less energy than they would return
 }  // namespace
 
@@ -199,9 +197,7 @@ void btVolumetricIslands::waitForTouch(const btSolverBody* bodies)
 		if (!(ahead > 0)) continue;
 		const double left = (m_step - ahead) * -dot(freeTwist(e, bodies).linear, e.patch.normal);
 		if (left > kCentralWay * e.contact->thickness()) centre(e, bodies);
-		const ist::Twist free = freeTwist(e, bodies);
-		e.patch.gap = ahead * -dot(free.linear, e.patch.normal);
-		e.patch.wrench = e.patch.wrench + ahead * (e.patch.stiffness * free);
+		e.patch.wrench = e.patch.wrench + ahead * (e.patch.stiffness * freeTwist(e, bodies));
 	}
 }
 
@@ -354,12 +350,8 @@ double btVolumetricIslands::solve(Block& block, btSolverBody* bodies)
 		takeBack(e.bodyB, -1.0 * e.impulse, e.patch.point);
 	}
 	takeBackJoints(block, bodies);
-	for (int linearisations = 1;; ++linearisations)
-	{
-		if (!block.solver.solve(block.free.data())) ++m_statistics.blocksNotFactorised;
-		m_statistics.activeSetRounds += uint64_t(block.solver.rounds());
-		if (linearisations == kMostLinearisations || !relinearise(block)) break;
-	}
+	if (!block.solver.solve(block.free.data())) ++m_statistics.blocksNotFactorised;
+	m_statistics.activeSetRounds += uint64_t(block.solver.rounds());
 	m_statistics.frictionNotConverged += block.solver.frictionNotConverged();
 	// They are summed in double precision: those of patches that press against each other are larger than what they leave of each other.
 	std::fill(block.impulses.begin(), block.impulses.end(), ist::Wrench());
@@ -387,21 +379,6 @@ double btVolumetricIslands::solve(Block& block, btSolverBody* bodies)
 		applyImpulse(body, block.impulses[b], toVec3(body.getWorldTransform().getOrigin()));
 	}
 	return residual;
-}
-
-/// Linearises curved contacts again where the solution takes them: one that only just touches has next to no stiffness, and would let a
-/// body fall freely for a whole step. Contact whose stiffness was given keeps the linearisation of the step's beginning, which the closed
-/// forms of docs/stability.md are for. Returns true if there is something to solve again.
-bool btVolumetricIslands::relinearise(Block& block) const
-{
-	bool changed = false;
-	for (size_t k = 0; k < block.entries.size(); ++k)
-	{
-		const Entry& e = m_entries[size_t(block.entries[k])];
-		if (!(e.contact->constants.load > 0)) continue;
-		if (block.solver.relinearise(int(k), e.patch, kFarthest * e.contact->thickness(), m_step)) changed = true;
-	}
-	return changed;
 }
 
 /// Solves an island whose bodies no other row moves. Returns the largest squared change of a force impulse.

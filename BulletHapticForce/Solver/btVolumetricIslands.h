@@ -127,7 +127,6 @@ private:
 	void fill(Block& block, const Island& island, const btSolverBody* bodies);
 	void makeRows(const Island& island, const btSolverBody* bodies);
 	double solve(Block& block, btSolverBody* bodies);
-	bool relinearise(Block& block) const;
 	double solvePassing(const Island& island, btSolverBody* bodies);
 	bool softenToEnergyTanks(const Island& island, const btSolverBody* bodies);
 	double solve(Row& row, btSolverBody* bodies);

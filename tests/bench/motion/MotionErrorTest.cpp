@@ -177,6 +177,14 @@ TEST(MotionError, FallsWithTheStepWhereFrictionActs)
 	}
 }
 
+// A screw sinks and turns without pressing more. A solver that takes its sinking for an approach jams it.
+TEST(MotionError, AScrewWithoutFrictionRunsDownWithNothingSet)
+{
+	const Prepared screw("screw_0");
+	EXPECT_LT(screw.closedError(screw.run(60, Contact::Default)), 0.25);
+	EXPECT_LT(screw.closedError(screw.run(240, Contact::Default)), 0.06);
+}
+
 TEST(MotionError, TheReferenceConvergesToTheClosedForm)
 {
 	for (const char* name : {"free_fall", "sliding_block"})

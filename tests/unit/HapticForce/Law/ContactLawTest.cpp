@@ -149,26 +149,6 @@ TEST(ContactLaw, CubeOnAHalfSpaceIsAnElasticFoundation)
 	for (double share : {normal, turning[0], turning[1]}) EXPECT_NEAR(share, 1, 0.05);
 }
 
-// A ball of radius R that is x deep in a half-space has the area pi (2 R x - x^2). A flat face does not grow.
-TEST(ContactLaw, AreaGrowsWithTheDepthAsTheBodyIsCurved)
-{
-	std::mt19937_64 random(12);
-	const double R = 0.5;
-	const auto ball = build(ist::makeSphereMesh(R, 4), 1000);
-	for (const double x : {0.01, 0.03, 0.1})
-	{
-		btContactPatch patch;
-		const Vec3 n = ist::normalized(randomPose(random, 1).translation);
-		ASSERT_TRUE(evaluateContactPatch(onHalfSpace(ball, n, x - R, randomPose(random, 5)), 0, patch));
-		const double area = 2 * R * x - x * x;
-		EXPECT_NEAR(patch.areaGrowth, 2 * (R - x) / area, 0.1 * 2 * (R - x) / area) << x;
-		EXPECT_NEAR(patch.depth, x * x * (R - x / 3) / area, 0.03 * x) << x;
-		ASSERT_TRUE(evaluateContactPatch(onHalfSpace(cube(), {0, 1, 0}, x - 0.5, randomPose(random, 5)), 0, patch));
-		EXPECT_LT(patch.areaGrowth * x, 0.02) << x;
-		EXPECT_NEAR(patch.depth, x, 0.01 * x);
-	}
-}
-
 // Where the stiffness is positive definite, it is the derivative of the model's own wrench: along and about the axes of a flat face.
 TEST(ContactLaw, StiffnessIsTheSlopeOfTheModelsOwnWrench)
 {

@@ -130,49 +130,6 @@ TEST(btIslandBlockSolver, AgreesWithARowOnOnePatch)
 	}
 }
 
-// A ball of 2 kg flies at a wall whose force is c (d + x)^2, with d the depth at the beginning and x the way, from `gap` on. The speed
-// after a step of backward Euler solves m (v - w) = h c (d + h w - gap)^2: by bisection. A search that ends when the area has changed by
-// less than a tenth is within 1 % of it; the first linearisation is off by half of the speed and more.
-TEST(btIslandBlockSolver, RelinearisedCurvedContactIsAStepOfBackwardEuler)
-{
-	for (const double gap : {0.0, 2e-3})
-		for (const double depth : {1e-5, 1e-4, 1e-3})
-			for (const double speed : {0.02, 0.2, 1.0})
-			{
-				const double m = 2, c = 1e8, h = kStep;
-				const auto force = [&](double w) {
-					const double x = h * w - gap;
-					return x > 0 ? c * (depth + x) * (depth + x) : c * depth * std::max(depth + 2 * x, 0.0);
-				};
-				double low = -10, high = speed;  // a deep one pushes it out
-				for (int i = 0; i < 200; ++i)
-				{
-					const double w = 0.5 * (low + high);
-					(m * (speed - w) > h * force(w) ? low : high) = w;
-				}
-				const ist::Vec3 n = ist::normalized(ist::Vec3{1, 2, -2});
-				btVolumetricRowBody body;
-				body.inverseMass = {1 / m, 1 / m, 1 / m};
-				btContactPatch patch;
-				patch.normal = n;
-				patch.depth = 0.5 * depth;
-				patch.areaGrowth = 1 / depth;
-				patch.gap = gap;
-				patch.wrench.force = c * depth * (depth - 2 * gap) * n;
-				const double along[3] = {n.x, n.y, n.z};
-				for (int i = 0; i < 3; ++i)
-					for (int j = i; j < 3; ++j) patch.stiffness(i, j) = 2 * c * depth * along[i] * along[j];
-				btIslandBlockSolver solver;
-				solver.addPatch(patch, solver.addBody(body), -1, {}, h, 0);
-				const ist::Twist free = {-speed * n, {}};
-				int searches = 0;
-				do ASSERT_TRUE(solver.solve(&free));
-				while (solver.relinearise(0, patch, 1, h) && ++searches < 30);
-				EXPECT_LT(searches, 15);
-				EXPECT_NEAR(speed - solver.normalImpulse(0) / m, low, 0.01 * speed) << gap << " " << depth << " " << speed;
-			}
-}
-
 // The weight is in equilibrium: the bottom carries all of it, at any ratio of the masses.
 TEST(btIslandBlockSolver, StackCarriesItsWeightAtAnyMassRatio)
 {
