@@ -3,14 +3,13 @@
 
 #include "BulletISTCollision/Core/Asset/AssetFile.h"
 #include "tests/unit/CountingAllocator.h"
+#include "tests/unit/ResidentMemory.h"
 
 #include "LinearMath/btAlignedAllocator.h"
 
 #include <atomic>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <unistd.h>
 
 using namespace scenario;
 
@@ -32,17 +31,6 @@ void countedFree(void* p)
 {
 	if (p) --g_liveOfBullet;
 	std::free(p);
-}
-
-double residentMegabytes()
-{
-	long pages = 0, resident = 0;
-	if (FILE* file = std::fopen("/proc/self/statm", "r"))
-	{
-		if (std::fscanf(file, "%ld %ld", &pages, &resident) != 2) resident = 0;
-		std::fclose(file);
-	}
-	return double(resident) * double(sysconf(_SC_PAGESIZE)) / 1048576;
 }
 
 /// Counts contacts that begin and end during its lifetime.
@@ -184,7 +172,7 @@ Tally run(uint64_t seed, double seconds, const std::string& folder, std::optiona
 		const long live = liveAllocations() + g_liveOfBullet;
 		EXPECT_TRUE(tally.worlds == 0 || live == tally.liveAfter) << live - tally.liveAfter << " allocations that were not given back";
 		tally.liveAfter = live;
-		tally.mostResident = std::max(tally.mostResident, residentMegabytes());
+		tally.mostResident = std::max(tally.mostResident, double(residentBytes().value_or(0)) / 1048576);
 		++tally.worlds;
 	}
 	btAlignedAllocSetCustom(nullptr, nullptr);
