@@ -71,8 +71,19 @@ void SerialLine::discardInput() noexcept { ::PurgeComm(handleOf(m_line), PURGE_R
 
 int SerialLine::read(std::uint8_t* bytes, std::size_t size, int patience) noexcept
 {
-	DWORD n = 0;
-	if (!setPatience(handleOf(m_line), patience)) return -1;
-	return ::ReadFile(handleOf(m_line), bytes, static_cast<DWORD>(size), &n, nullptr) != 0 ? static_cast<int>(n) : -1;
+	const HANDLE line = handleOf(m_line);
+	if (!setPatience(line, patience)) return -1;
+	const ULONGLONG end = ::GetTickCount64() + static_cast<ULONGLONG>(std::max(0, patience));
+	while (true)
+	{
+		DWORD n = 0, errors = 0;
+		if (::ReadFile(line, bytes, static_cast<DWORD>(size), &n, nullptr) == 0) return -1;
+		if (n > 0) return static_cast<int>(n);
+		// A read does not tell under every driver that the adapter is gone (Wine's); asking for the line's state does.
+		if (::ClearCommError(line, &errors, nullptr) == 0) return -1;
+		// Wine returns before the limit of time.
+		if (::GetTickCount64() >= end) return 0;
+		::Sleep(1);
+	}
 }
 }  // namespace devicebridge

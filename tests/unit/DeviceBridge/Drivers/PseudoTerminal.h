@@ -1,6 +1,15 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#if defined(_WIN32)
+#include "tests/unit/DeviceBridge/Drivers/WineSerialLine.h"
+
+namespace devicebridge
+{
+using PseudoTerminal = WineSerialLine;
+}
+#else
+
 #include <fcntl.h>
 #include <poll.h>
 #include <termios.h>
@@ -60,3 +69,4 @@ private:
 	bool m_lost = false;
 };
 }  // namespace devicebridge
+#endif
