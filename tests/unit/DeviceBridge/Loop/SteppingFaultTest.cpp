@@ -14,6 +14,9 @@
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
 #include "DeviceBridge/Loop/SteppingThread.h"
 #include "DeviceBridge/Loop/StopSignals.h"
+#if defined(_WIN32)
+#include "tests/unit/DeviceBridge/Loop/OwnConsole.h"
+#endif
 
 using namespace devicebridge;
 
@@ -305,35 +308,51 @@ TEST(SteppingFault, SwitchedOffForcesAreZeroInTheNextTick)
 	EXPECT_EQ(rig.force(), 0);  // the tool is still inside
 }
 
-// Windows has Ctrl-C in their place.
-#if !defined(_WIN32)
+namespace
+{
+/// A thread that exerts a force ends with its device at zero once `stop` has been called.
+void expectStopLeavesZero(int number, const std::function<void()>& stop)
+{
+	FaultyDevice device;
+	device.hand.place({{}, {0, 0, 0.02}});
+	device.open();
+	SlowWall wall;
+	RealClock clock;
+	SteppingThread thread(device, wall, clock);
+	thread.onHapticTick.addDelegate([](const DeviceState&, ist::Wrench& w) { w.force.x = 1; });
+	std::atomic<bool> pushed{false};
+	thread.onHapticTick.addDelegate(
+		[&](const DeviceState&, const ist::Wrench&) { pushed = pushed || norm(thread.sentWrench().force) > 0; });
+	StopSignals signals(thread);
+	ASSERT_TRUE(signals.active());
+	ASSERT_TRUE(thread.start());
+	for (int i = 0; i < 4000 && !pushed; ++i) clock.sleepUntil(clock.now() + kMs);
+	EXPECT_TRUE(pushed);
+	stop();
+	// The loop is bounded, so that a thread that continues fails the test instead of blocking it.
+	for (int i = 0; i < 4000 && thread.running(); ++i) clock.sleepUntil(clock.now() + kMs);
+	EXPECT_FALSE(thread.running());
+	EXPECT_EQ(StopSignals::caught(), number);
+	thread.stop();
+	EXPECT_EQ(device.last.wrench.force, ist::Vec3{});
+}
+}  // namespace
+
+#if defined(_WIN32)
+TEST(SteppingFault, CtrlCEndsTheThreadWithTheDeviceAtZero)
+{
+	if (!hasOwnConsole())
+	{
+		EXPECT_EQ(runTestInOwnConsole(), 0U);
+		return;
+	}
+	ignoreCtrlC(false);
+	expectStopLeavesZero(SIGINT, [] { EXPECT_TRUE(pressCtrlC()); });
+}
+#else
 TEST(SteppingFault, SignalsEndTheThreadWithTheDeviceAtZero)
 {
-	for (const int number : {SIGINT, SIGTERM})
-	{
-		FaultyDevice device;
-		device.hand.place({{}, {0, 0, 0.02}});
-		device.open();
-		SlowWall wall;
-		RealClock clock;
-		SteppingThread thread(device, wall, clock);
-		thread.onHapticTick.addDelegate([](const DeviceState&, ist::Wrench& w) { w.force.x = 1; });
-		std::atomic<bool> pushed{false};
-		thread.onHapticTick.addDelegate(
-			[&](const DeviceState&, const ist::Wrench&) { pushed = pushed || norm(thread.sentWrench().force) > 0; });
-		StopSignals stop(thread);
-		ASSERT_TRUE(stop.active());
-		ASSERT_TRUE(thread.start());
-		for (int i = 0; i < 4000 && !pushed; ++i) clock.sleepUntil(clock.now() + kMs);
-		EXPECT_TRUE(pushed);
-		std::raise(number);
-		// The loop is bounded, so that a thread that continues fails the test instead of blocking it.
-		for (int i = 0; i < 4000 && thread.running(); ++i) clock.sleepUntil(clock.now() + kMs);
-		EXPECT_FALSE(thread.running());
-		EXPECT_EQ(StopSignals::caught(), number);
-		thread.stop();
-		EXPECT_EQ(device.last.wrench.force, ist::Vec3{});
-	}
+	for (const int number : {SIGINT, SIGTERM}) expectStopLeavesZero(number, [number] { std::raise(number); });
 }
 #endif
 
