@@ -5,7 +5,8 @@ Usage: kernel_symbols_test.py NM OBJECT..."""
 import subprocess
 import sys
 
-# t, r, b, d: local. p: a table of Windows for unwinding, local, too. U: undefined. The sanitizers' own variables are the same in every object.
+# t, r, b, d: local. p: a table of Windows for unwinding, local, too. U: undefined.
+# The sanitizers' own variables are the same in every object.
 LOCAL = set("trbdp") | {"U"}
 bad = []
 for path in sys.argv[2:]:
