@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Zlib
 # Installs the Debian packages that are missing: as root directly, else with sudo after saying what it will run.
-# Usage: cmake/setup.sh [core|library|demos|tests|release|windows] [--yes]
+# Usage: cmake/setup.sh [core|library|demos|tests|release|windows|windows-quick|arm] [--yes]
 #   core      for the libraries and commands that need no Bullet (BULLETHAPTICS_BULLET=OFF)
 #   library   for all libraries and commands
 #   demos     for the demos, the drivers of devices and the Debian packages, too
@@ -9,25 +9,28 @@
 #   release   for the tests labelled "long", too, as far as Debian has what they need
 #   windows   for the libraries, commands and tests for Windows (preset windows-mingw) alone. It also builds Bullet,
 #             assimp and GoogleTest for Windows, from Debian's sources, into ~/.cache/bullethaptics/windows (half an hour, once)
+#   windows-quick   for the preset windows-quick alone, with Bullet in single precision and GoogleTest
+#   arm       for the libraries, commands and tests for 64-bit ARM (tests/compilers/arm64.sh) alone
 #   --yes     do not ask
 set -euo pipefail
 
 scope=tests yes=
 for argument in "$@"; do
 	case $argument in
-	core | library | demos | tests | release | windows) scope=$argument ;;
+	core | library | demos | tests | release | windows | windows-quick | arm) scope=$argument ;;
 	--yes) yes=1 ;;
 	*)
-		echo "setup.sh: what is $argument? Known are core, library, demos, tests, release, windows, --yes" >&2
+		echo "setup.sh: what is $argument? Known are core, library, demos, tests, release, windows, windows-quick, arm, --yes" >&2
 		exit 2
 		;;
 	esac
 done
 
 packages=()
+arm=(mmdebstrap g++-aarch64-linux-gnu qemu-user)
 case $scope in # each brings what those below it need
 release)
-	packages+=(lintian mmdebstrap g++-aarch64-linux-gnu qemu-user g++-11 clang-16 clang-19 colcon python3-colcon-ros python3-colcon-cmake
+	packages+=("${arm[@]}" lintian g++-11 clang-16 clang-19 colcon python3-colcon-ros python3-colcon-cmake
 		libignition-physics-core-dev libignition-physics-sdf-dev libignition-physics-mesh-dev libignition-physics5-bullet-plugin5
 		libignition-plugin-dev)
 	;&
@@ -44,7 +47,10 @@ library)
 core)
 	packages+=(g++ make cmake ninja-build ccache pkg-config libeigen3-dev libassimp-dev zlib1g-dev libcli11-dev nlohmann-json3-dev)
 	;;
-windows)
+arm)
+	packages+=("${arm[@]}" g++ make cmake ninja-build ccache pkg-config)
+	;;
+windows*)
 	packages+=(g++-mingw-w64-x86-64-posix libz-mingw-w64-dev wine64 make cmake ninja-build ccache pkg-config dpkg-dev ca-certificates python3
 		libeigen3-dev libcli11-dev nlohmann-json3-dev libboost-dev googletest libutfcpp-dev libstb-dev)
 	;;
@@ -53,7 +59,10 @@ esac
 # What Debian has for Linux only.
 finish()
 {
-	[ "$scope" != windows ] || bash "$(dirname "$0")/windows_dependencies.sh"
+	case $scope in
+	windows) bash "$(dirname "$0")/windows_dependencies.sh" ;;
+	windows-quick) bash "$(dirname "$0")/windows_dependencies.sh" --quick ;;
+	esac
 }
 
 missing=()

@@ -2,10 +2,16 @@
 # SPDX-License-Identifier: Zlib
 # Builds for Windows what Debian has for Linux only: Bullet in both precisions, assimp and GoogleTest, from Debian's own sources, and puts
 # links beside them to headers that are the same on every system. Half an hour on two cores, once.
-# Usage: cmake/windows_dependencies.sh [FOLDER]
+# Usage: cmake/windows_dependencies.sh [--quick] [FOLDER]
+#   --quick  only what the preset windows-quick needs: GoogleTest, and Bullet in single precision (some minutes)
 #   FOLDER   for sources, builds, and the result in FOLDER/root; by default ~/.cache/bullethaptics/windows
-# cmake/setup.sh windows calls it.
+# cmake/setup.sh windows and cmake/setup.sh windows-quick call it.
 set -euo pipefail
+quick=
+if [ "${1:-}" = --quick ]; then
+	quick=1
+	shift
+fi
 source=$(cd "$(dirname "$0")" && pwd)
 folder=${1:-$HOME/.cache/bullethaptics/windows}
 root=$folder/root
@@ -75,16 +81,20 @@ notice "$folder/sources/bullet/debian/copyright" bullet
 # Its reader of XML needs a library that nothing here needs.
 sed -i 's/BulletXmlWorldImporter//' "$folder/sources/bullet/Extras/Serialize/CMakeLists.txt"
 for double in OFF ON; do
+	[ -z "$quick" ] || [ $double = OFF ] || continue
 	build bullet-double-$double "$folder/sources/bullet" -DUSE_DOUBLE_PRECISION=$double -DBUILD_EXTRAS=ON -DINSTALL_LIBS=ON \
 		-DINSTALL_EXTRA_LIBS=ON -DBUILD_BULLET2_DEMOS=OFF -DBUILD_OPENGL3_DEMOS=OFF -DBUILD_CPU_DEMOS=OFF -DBUILD_UNIT_TESTS=OFF \
 		-DBUILD_BULLET_ROBOTICS_GUI_EXTRA=OFF -DBUILD_BULLET_ROBOTICS_EXTRA=OFF -DBUILD_OBJ2SDF_EXTRA=OFF -DBUILD_BULLET3=OFF \
 		-DBUILD_INVERSE_DYNAMIC_EXTRA=OFF -DBUILD_PYBULLET=OFF -DCMAKE_DISABLE_FIND_PACKAGE_OpenGL=ON -DCMAKE_CXX_FLAGS=-w
+	[ -z "$quick" ] || continue
 	# As DLLs in a folder of their own, which BULLET_ROOT names: shared libraries of ours and a game share one Bullet.
 	build bullet-dll-double-$double "$folder/sources/bullet" -DUSE_DOUBLE_PRECISION=$double -DBUILD_EXTRAS=OFF -DINSTALL_LIBS=ON \
 		-DBUILD_BULLET2_DEMOS=OFF -DBUILD_OPENGL3_DEMOS=OFF -DBUILD_CPU_DEMOS=OFF -DBUILD_UNIT_TESTS=OFF -DBUILD_BULLET3=OFF \
 		-DBUILD_PYBULLET=OFF -DCMAKE_DISABLE_FIND_PACKAGE_OpenGL=ON -DCMAKE_CXX_FLAGS=-w \
 		-DBUILD_SHARED_LIBS=ON -DCMAKE_INSTALL_PREFIX="$root/dll"
 done
+
+[ -z "$quick" ] || exit 0
 
 # Assimp's build looks for minizip by pkg-config.
 unpack minizip
