@@ -42,7 +42,7 @@ part()
 {
 	case $1 in
 	windows-quick | arm)
-		bash cmake/setup.sh "$1" "${options[@]}" || {
+		${within:+timeout 400} bash cmake/setup.sh "$1" "${options[@]}" || {
 			echo "Left out: $1, because what it needs could not be installed"
 			return 0
 		}
