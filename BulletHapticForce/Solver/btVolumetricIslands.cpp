@@ -15,8 +15,8 @@ using namespace btSolverBodyMotion;
 
 namespace
 {
-constexpr double kCentralWay = 0.25;    // share of the thinner body that is left of a step after the first touch
-constexpr int kMostSoftenings = 2;      // of contacts whose tanks hold less energy than they would return
+constexpr double kCentralWay = 0.25;  // share of the thinner body that is left of a step after the first touch
+constexpr int kMostSoftenings = 2;    // of contacts whose tanks hold less energy than they would return
 }  // namespace
 
 void btVolumetricIslands::reserve(size_t contacts)
