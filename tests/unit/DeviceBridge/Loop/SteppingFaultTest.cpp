@@ -15,7 +15,7 @@
 #include "DeviceBridge/Loop/SteppingThread.h"
 #include "DeviceBridge/Loop/StopSignals.h"
 #if defined(_WIN32)
-#include "tests/unit/DeviceBridge/Loop/OwnConsole.h"
+#include "tests/unit/OwnConsole.h"
 #endif
 
 using namespace devicebridge;

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "DeviceBridge/Drivers/DeviceRegistry.h"
-#include "tests/unit/DeviceBridge/Loop/OwnConsole.h"
+#include "tests/unit/OwnConsole.h"
 
 using namespace devicebridge;
 
