@@ -43,15 +43,8 @@ TEST(GloveFitting, NamesTheWayToCalibrateWhatIsNoGlove)
 	}
 }
 
-// A serial line without a device behind it, as POSIX has them, and Wine.
-class GloveFittingOnALine : public testing::Test
-{
-protected:
-	void SetUp() override
-	{
-		if (!PseudoTerminal().ok()) GTEST_SKIP() << "no serial line without a device";
-	}
-};
+class GloveFittingOnALine : public GloveOnALine
+{};
 
 TEST_F(GloveFittingOnALine, TwoPosesMakeAFileThatTheGloveReads)
 {

@@ -230,16 +230,6 @@ TEST(GloveCalibration, RefusesFilesThatAreNone)
 	}
 }
 
-/// Whether there are serial lines without devices: on every POSIX system, and on Windows where Wine has made some.
-class GloveOnALine : public testing::Test
-{
-protected:
-	void SetUp() override
-	{
-		if (!PseudoTerminal().ok()) GTEST_SKIP() << "no serial line without a device";
-	}
-};
-
 TEST_F(GloveOnALine, JointsOfBothKindsArriveFromTheSerialLine)
 {
 	const std::string file = (std::filesystem::temp_directory_path() / ("glove" + std::to_string(getpid()) + ".json")).string();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <atomic>
 #include <mutex>
 #include <random>
@@ -64,5 +66,15 @@ private:
 	GloveValues m_values;
 	std::atomic<bool> m_ending{false};
 	std::thread m_thread;
+};
+
+/// Skips its tests where there are no serial lines without a device: every POSIX system has them, Windows only what Wine makes.
+class GloveOnALine : public testing::Test
+{
+protected:
+	void SetUp() override
+	{
+		if (!PseudoTerminal().ok()) GTEST_SKIP() << "needs serial lines without a device: tests/unit/wine_serial_lines.py WINE PROGRAM";
+	}
 };
 }  // namespace devicebridge

@@ -11,7 +11,7 @@
 
 using namespace devicebridge;
 
-// As Tools/devicebridge_command_test.sh does by a signal on Linux.
+// On Linux Tools/devicebridge_command_test.sh does the same by a signal.
 TEST(DevicebridgeCommand, CtrlCEndsARecordingThatIsWhole)
 {
 	if (!hasOwnConsole())
