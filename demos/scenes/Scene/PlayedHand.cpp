@@ -188,8 +188,7 @@ std::optional<Error> openHand(const SceneHand& scene, SceneWorld& world, Clock& 
 	if (!scene.parts && whyNotMoved(hand.gains)[0] != '\0')
 		return at(scene.place,
 			"the gains of its coupling are zero, so it would move nothing and feel nothing: leave stiffness, damping, maxForce and "
-			"maxTorque "
-			"out, and they are what the device bears");
+			"maxTorque out, and they are what the device bears");
 	return scene.parts ? makeParts(scene, world, clock, build, hand) : std::nullopt;
 }
 

@@ -171,8 +171,10 @@ MotionControl controlled(const std::vector<MotionChoice>& choices, double tolera
 		while (
 			c + 1 < choices.size() && (errorTimesRate > kSafety * allowed * choices[c].rate || choices[c].rate * kMostCoarser < lastRate))
 			++c;
-		while (control.cost += choices[c].costs[i], !(choices[c].errors[i] <= allowed) && c + 1 < choices.size())
+		while (true)
 		{
+			control.cost += choices[c].costs[i];
+			if (choices[c].errors[i] <= allowed || c + 1 == choices.size()) break;
 			const double rate = choices[c].rate * choices[c].errors[i] / (kSafety * std::max(allowed, 1e-300));
 			for (++c; c + 1 < choices.size() && choices[c].rate < rate;) ++c;
 		}

@@ -282,8 +282,8 @@ void addGains(scenes::HtmlReport& page, const std::vector<MotionFindings>& all)
 	page.paragraph(
 		"The control takes the coarsest step that should keep the errors so far within the share of the tolerance that the time so far "
 		"allows. Where an interval errs by more, it is stepped again, finer, and both count. It learns the error of an interval once it "
-		"has "
-		"stepped through it, exactly and for nothing: half-steps that estimate it would cost half as much again or more. Scenes in which "
+		"has stepped through it, exactly and for nothing: half-steps that estimate it would cost half as much again or more. Scenes in "
+		"which "
 		"it misses the tolerance are left out.");
 }
 

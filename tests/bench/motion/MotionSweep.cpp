@@ -107,9 +107,8 @@ std::vector<MotionChoice> choicesOf(
 	return choices;
 }
 
-double gainOfControl(const std::vector<MotionChoice>& choices, double tolerance)
+double gainOfControl(const std::optional<MotionHindsight>& fixed, const std::vector<MotionChoice>& choices, double tolerance)
 {
-	const auto fixed = bestInHindsight(choices, tolerance);
 	const MotionControl control = controlled(choices, tolerance);
 	return fixed && control.error <= tolerance ? fixed->fixedCost / control.cost : 0;
 }
@@ -133,9 +132,10 @@ std::vector<MotionGain> gainsOf(
 		gain.byCount = ratio(byCount);
 		if (byCount) gain.rate = int(byCountAndPose[byCount->fixed].rate);
 		gain.bySeconds = ratio(bestInHindsight(bySecondsAndPose, gain.allowed));
-		gain.byVelocity = ratio(bestInHindsight(byCountAndVelocity, gain.allowed));
-		gain.byControl = gainOfControl(byCountAndPose, gain.allowed);
-		gain.byControlOfVelocity = gainOfControl(byCountAndVelocity, gain.allowed);
+		const auto byVelocity = bestInHindsight(byCountAndVelocity, gain.allowed);
+		gain.byVelocity = ratio(byVelocity);
+		gain.byControl = gainOfControl(byCount, byCountAndPose, gain.allowed);
+		gain.byControlOfVelocity = gainOfControl(byVelocity, byCountAndVelocity, gain.allowed);
 		gains.back() = gain;
 	}
 	return gains;
