@@ -83,13 +83,11 @@ double areaOf(const std::vector<Vec3>& polygon)
 }
 }  // namespace
 
-DepthPartition::DepthPartition(std::vector<DepthSample> samples, const DepthPartitionOptions& options)
-	: m_samples(std::move(samples)),
-	  m_options(options)
+DepthPartition::DepthPartition(std::vector<DepthSample> samples, const DepthPartitionOptions& options) : m_options(options)
 {
 	m_nodes.resize(1);
 	m_nodes[0].child = DepthNode::kCell;
-	m_parts.push_back(partOf(0, m_samples.size(), 0));
+	m_parts.push_back(partOf(std::move(samples)));
 	m_queue.push({m_parts[0].priority, 0});
 }
 
@@ -129,10 +127,11 @@ bool DepthPartition::takeBatch(size_t most, std::vector<size_t>& batch)
 	return !batch.empty();
 }
 
-DepthPartition::Part DepthPartition::partOf(size_t begin, size_t end, size_t node) const
+/// Fits the cell of a part to its samples, and sets its priority.
+void DepthPartition::fit(Part& part) const
 {
-	Part part{begin, end, node, kNever, {}};
-	const std::span<const DepthSample> all = samplesOf(part);
+	part.priority = kNever;
+	const std::vector<DepthSample>& all = part.samples;
 	const size_t stride = std::max<size_t>(1, all.size() / kEnoughToFit);
 	if (stride == 1) part.fit = fitQuadric(all, m_options.spacing);
 	else
@@ -145,24 +144,32 @@ DepthPartition::Part DepthPartition::partOf(size_t begin, size_t end, size_t nod
 	// A node without samples in the body is not split: all that counts there is that its depth is negative.
 	if (all.size() >= kFewestToSplit && part.fit.within > 0 && part.fit.largest > kExact * m_options.size)
 		part.priority = std::max(std::numeric_limits<double>::min(), part.fit.squares * double(stride));
+}
+
+DepthPartition::Part DepthPartition::partOf(std::vector<DepthSample> samples) const
+{
+	Part part;
+	part.samples = std::move(samples);
+	fit(part);
 	return part;
 }
 
-DepthPartition::Halves DepthPartition::halvesOf(const Part& parent)
+/// Reorders the samples of the parent.
+DepthPartition::Halves DepthPartition::halvesOf(Part& parent) const
 {
 	Halves halves;
 	const CounterRandom random(m_options.seed, kPlaneStream, parent.node);
 	const double rounding = kPlaneRounding * m_options.size;
-	const auto plane = findSplitPlane(samplesOf(parent), parent.fit, m_options.spacing, rounding, random);
+	const auto plane = findSplitPlane(parent.samples, parent.fit, m_options.spacing, rounding, random);
 	if (!plane) return halves;
 	for (int k = 0; k < 3; ++k) halves.node.normal[k] = float(plane->normal[k]);
 	halves.node.offset = float(plane->offset);
-	const auto begin = m_samples.begin() + std::ptrdiff_t(parent.begin), end = m_samples.begin() + std::ptrdiff_t(parent.end);
+	const auto begin = parent.samples.begin(), end = parent.samples.end();
 	const auto first = std::partition(begin, end, [&](const DepthSample& s) { return halves.node.beyond(s.position) <= -rounding; });
 	const auto second = std::partition(first, end, [&](const DepthSample& s) { return halves.node.beyond(s.position) < rounding; });
 	if (first == begin || second == end) return halves;
-	halves.first = partOf(parent.begin, size_t(first - m_samples.begin()), 0);
-	halves.second = partOf(size_t(second - m_samples.begin()), parent.end, 0);
+	halves.first = partOf({begin, first});
+	halves.second = partOf({second, end});
 	halves.isSplit = true;
 	return halves;
 }
@@ -177,10 +184,10 @@ void DepthPartition::add(size_t parent, Halves& halves)
 	m_nodes.resize(child + 2);
 	m_nodes[child].child = uint32_t(parent) | DepthNode::kCell;
 	m_nodes[child + 1].child = uint32_t(m_parts.size()) | DepthNode::kCell;
-	m_parts[parent] = halves.first;
-	m_parts.push_back(halves.second);
-	m_queue.push({halves.first.priority, parent});
-	m_queue.push({halves.second.priority, m_parts.size() - 1});
+	m_parts[parent] = std::move(halves.first);
+	m_parts.push_back(std::move(halves.second));
+	m_queue.push({m_parts[parent].priority, parent});
+	m_queue.push({m_parts.back().priority, m_parts.size() - 1});
 }
 
 size_t DepthPartition::partAt(const Vec3& x) const
@@ -288,38 +295,31 @@ size_t DepthPartition::addMisfitsOutside(const MeshDistance& surface, const Box&
 	return insert(found);
 }
 
-/// Lays out the samples anew, with those of each part together, in the order of the lists. Returns the number of misfits.
+/// Gives each part its misfits, in the order of the lists, and fits its cell again. Returns the number of misfits.
 size_t DepthPartition::insert(const std::vector<std::vector<Misfit>>& lists)
 {
-	std::vector<size_t> added(m_parts.size());
+	std::vector<size_t> begin(m_parts.size() + 1);
 	for (const std::vector<Misfit>& list : lists)
-		for (const Misfit& misfit : list) ++added[misfit.first];
-	std::vector<size_t> changed, next(m_parts.size());
-	const size_t count = std::accumulate(added.begin(), added.end(), size_t(0));
+		for (const Misfit& misfit : list) ++begin[misfit.first + 1];
+	std::partial_sum(begin.begin(), begin.end(), begin.begin());
+	const size_t count = begin.back();
 	if (count == 0) return 0;
-	std::vector<DepthSample> samples(m_samples.size() + count);
-	size_t end = 0;
-	for (size_t i = 0; i < m_parts.size(); ++i)
-	{
-		Part& part = m_parts[i];
-		const std::span<const DepthSample> before = samplesOf(part);
-		std::copy(before.begin(), before.end(), samples.begin() + std::ptrdiff_t(end));
-		part.begin = end;
-		next[i] = end + before.size();
-		part.end = end = next[i] + added[i];
-		if (added[i] > 0) changed.push_back(i);
-	}
-	samples.resize(end);
+	std::vector<const DepthSample*> misfits(count);
+	std::vector<size_t> next(begin.begin(), begin.end() - 1);
 	for (const std::vector<Misfit>& list : lists)
-		for (const Misfit& misfit : list) samples[next[misfit.first]++] = misfit.second;
-	m_samples = std::move(samples);
+		for (const Misfit& misfit : list) misfits[next[misfit.first]++] = &misfit.second;
 #pragma omp parallel for schedule(dynamic, 16) num_threads(m_options.threads)
-	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(changed.size()); ++i)
+	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(m_parts.size()); ++i)
 	{
-		Part& part = m_parts[changed[size_t(i)]];
-		part = partOf(part.begin, part.end, part.node);
+		const size_t first = begin[size_t(i)], last = begin[size_t(i) + 1];
+		if (first == last) continue;
+		Part& part = m_parts[size_t(i)];
+		part.samples.reserve(part.samples.size() + last - first);
+		for (size_t k = first; k < last; ++k) part.samples.push_back(*misfits[k]);
+		fit(part);
 	}
-	for (const size_t i : changed) m_queue.push({m_parts[i].priority, i});
+	for (size_t i = 0; i < m_parts.size(); ++i)
+		if (begin[i] < begin[i + 1]) m_queue.push({m_parts[i].priority, i});
 	return count;
 }
 
@@ -327,7 +327,7 @@ size_t DepthPartition::insert(const std::vector<std::vector<Misfit>>& lists)
 double DepthPartition::deepestOf(const Part& part, bool holdsSurface) const
 {
 	double deepest = -std::numeric_limits<double>::infinity();
-	for (const DepthSample& s : samplesOf(part)) deepest = std::max(deepest, s.depth);
+	for (const DepthSample& s : part.samples) deepest = std::max(deepest, s.depth);
 	if (!holdsSurface && deepest < 0) return kOutsideShare * deepest;
 	const double count = double(std::max<size_t>(1, part.fit.within));
 	return std::max(deepest, 0.0) + kDeepestSlack * part.fit.radius / std::cbrt(count) + m_options.spacing / count;
@@ -349,7 +349,7 @@ void DepthPartition::cutOffOutside(const Mesh& mesh, std::vector<DepthNode>& nod
 		const Part& p = m_parts[part];
 		if (highest[part] == none || p.fit.within == 0 || norm(p.fit.quadric.gradient) < kLeastSlope) continue;
 		const Vec3 up = outward(part);
-		for (const DepthSample& s : samplesOf(p))
+		for (const DepthSample& s : p.samples)
 			if (!s.isOutside()) highest[part] = std::max(highest[part], dot(up, s.position));
 		const size_t child = nodes.size();
 		nodes.resize(child + 2);

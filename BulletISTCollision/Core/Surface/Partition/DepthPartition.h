@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <functional>
 #include <queue>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -49,10 +48,11 @@ public:
 	DepthField field(const Mesh& mesh, const Box& domain) const;
 
 private:
-	/// A node with a cell, and its samples [begin, end).
+	/// A node with a cell, and the samples in it.
 	struct Part
 	{
-		size_t begin = 0, end = 0, node = 0;
+		std::vector<DepthSample> samples;
+		size_t node = 0;
 		double priority = 0;
 		QuadricFit fit;
 	};
@@ -69,20 +69,19 @@ private:
 	};
 	using Misfit = std::pair<size_t, DepthSample>;  // part, sample
 
-	std::span<const DepthSample> samplesOf(const Part& part) const { return {m_samples.data() + part.begin, part.end - part.begin}; }
 	size_t partAt(const Vec3& x) const;
 	void cornersOf(size_t node, ConvexRegion region, std::vector<std::vector<Vec3>>& corners) const;
 	bool isMisfit(size_t part, const DepthSample& sample) const;
 	bool takeBatch(size_t most, std::vector<size_t>& batch);
-	Part partOf(size_t begin, size_t end, size_t node) const;
-	Halves halvesOf(const Part& parent);
+	void fit(Part& part) const;
+	Part partOf(std::vector<DepthSample> samples) const;
+	Halves halvesOf(Part& parent) const;
 	void add(size_t parent, Halves& halves);
 	void listMisfits(size_t node, const Vec3& normal, const std::vector<Vec3>& polygon, std::vector<Misfit>& misfits) const;
 	size_t insert(const std::vector<std::vector<Misfit>>& lists);
 	double deepestOf(const Part& part, bool holdsSurface) const;
 	void cutOffOutside(const Mesh& mesh, std::vector<DepthNode>& nodes) const;
 
-	std::vector<DepthSample> m_samples;
 	DepthPartitionOptions m_options;
 	std::vector<DepthNode> m_nodes;  // the cell of a node is the index of its part
 	std::vector<Part> m_parts;
