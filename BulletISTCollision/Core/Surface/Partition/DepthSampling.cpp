@@ -137,20 +137,33 @@ public:
 		  m_points(surface.mesh())
 	{}
 
-	DepthSample sample(size_t index, SamplingMemory& memory) const
+	/// Whether the sample lies anywhere in the domain, at `point`.
+	bool isOfDomain(size_t index, Vec3& point) const
 	{
-		CounterRandom random(m_options.seed, kFirstStream + m_options.stream, index);
-		DepthSample s = place(index, random, memory);
+		CounterRandom random = randomOf(index);
+		if (!(random.next() < kShareOfDomain)) return false;
+		point = pointOfDomain(random);
+		return true;
+	}
+	DepthSample sampleOfDomain(const Vec3& point, SamplingMemory& memory) const { return weighted(fieldAt(point, memory)); }
+	/// A sample near the surface.
+	DepthSample sampleOfSurface(size_t index, SamplingMemory& memory) const
+	{
+		CounterRandom random = randomOf(index);
+		return weighted(place(index, random.next() - kShareOfDomain, random, memory));
+	}
+
+private:
+	CounterRandom randomOf(size_t index) const { return {m_options.seed, kFirstStream + m_options.stream, index}; }
+
+	DepthSample weighted(DepthSample s) const
+	{
 		s.weight = weightOfDepth(s.depth, m_options.spacing);
 		return s;
 	}
 
-private:
-	DepthSample place(size_t index, CounterRandom& random, SamplingMemory& memory) const
+	DepthSample place(size_t index, double kind, CounterRandom& random, SamplingMemory& memory) const
 	{
-		double kind = random.next();
-		if (kind < kShareOfDomain) return fieldAt(pointOfDomain(random), memory);
-		kind -= kShareOfDomain;
 		// Neighbours in the order of the triangles follow each other: the points spread evenly, and the hint is good.
 		const SurfacePoint p = m_points.at((double(index) + random.next()) / double(m_options.count), random);
 		if (kind < kShareOfSurface) return {p.position, 0, p.normal, 0};
@@ -189,6 +202,52 @@ private:
 	const DepthSamplingOptions& m_options;
 	SurfacePoints m_points;
 };
+/// A point of the domain, and where it lies on a curve whose neighbouring points are close together.
+struct DomainPoint
+{
+	uint32_t place = 0;
+	size_t index = 0;
+	Vec3 position;
+	bool operator<(const DomainPoint& o) const { return place != o.place ? place < o.place : index < o.index; }
+};
+
+/// Moves the ten lowest bits to every third place.
+uint32_t spreadBits(uint32_t bits)
+{
+	bits = (bits | bits << 16) & 0x030000ff;
+	bits = (bits | bits << 8) & 0x0300f00f;
+	bits = (bits | bits << 4) & 0x030c30c3;
+	return (bits | bits << 2) & 0x09249249;
+}
+
+/// Place on a Z-order curve through the box.
+uint32_t placeOnCurve(const Vec3& p, const Box& box)
+{
+	constexpr double kColumns = 1024;
+	const Vec3 size = box.size();
+	uint32_t place = 0;
+	for (int k = 0; k < 3; ++k)
+	{
+		const double share = size[k] > 0 ? (p[k] - box.lower[k]) / size[k] : 0;
+		place |= spreadBits(uint32_t(std::clamp(share * kColumns, 0.0, kColumns - 1))) << k;
+	}
+	return place;
+}
+
+/// The samples [first, last) of those in the domain, in the order of the curve.
+std::vector<DomainPoint> domainPoints(const DepthSampler& sampler, const Box& domain, size_t first, size_t last)
+{
+	std::vector<DomainPoint> points;
+	DomainPoint p;
+	for (p.index = first; p.index < last; ++p.index)
+	{
+		if (!sampler.isOfDomain(p.index, p.position)) continue;
+		p.place = placeOnCurve(p.position, domain);
+		points.push_back(p);
+	}
+	std::sort(points.begin(), points.end());
+	return points;
+}
 }  // namespace
 
 std::vector<DepthSample> sampleDepth(
@@ -200,12 +259,18 @@ std::vector<DepthSample> sampleDepth(
 	{
 		if (!goesOn(double(first) / double(options.count))) return {};
 		const size_t last = std::min(options.count, first + kSamplesPerReport);
+		const std::vector<DomainPoint> points = domainPoints(sampler, options.domain, first, last);
+		std::vector<char> isOfDomain(last - first);
+		for (const DomainPoint& p : points) isOfDomain[p.index - first] = 1;
 #pragma omp parallel num_threads(options.threads)
 		{
-			SamplingMemory memory(options.spacing);
+			SamplingMemory ofDomain(options.spacing), ofSurface(options.spacing);
+#pragma omp for schedule(dynamic, 256) nowait
+			for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(points.size()); ++i)
+				samples[points[size_t(i)].index] = sampler.sampleOfDomain(points[size_t(i)].position, ofDomain);
 #pragma omp for schedule(dynamic, 256)
 			for (std::ptrdiff_t i = std::ptrdiff_t(first); i < std::ptrdiff_t(last); ++i)
-				samples[size_t(i)] = sampler.sample(size_t(i), memory);
+				if (!isOfDomain[size_t(i) - first]) samples[size_t(i)] = sampler.sampleOfSurface(size_t(i), ofSurface);
 		}
 	}
 	return samples;
