@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <utility>
 
 namespace ist
 {
@@ -27,32 +29,53 @@ constexpr int kTerms = 10;
 /// Index of the coefficient of the second derivative by the axes k and l.
 constexpr int kSecond[3][3] = {{4, 7, 8}, {7, 5, 9}, {8, 9, 6}};
 
+/// Two numbers in one register. Sums of numbers that were stored one by one and loaded in pairs wait for the stores.
+typedef double Pair __attribute__((vector_size(16)));
+constexpr int kPairs = kTerms / 2;
+
 /// Values of the terms at a scaled point.
 struct Terms
 {
-	double value[kTerms];
+	Pair pairs[kPairs];
 	explicit Terms(const Vec3& y)
-		: value{1, y.x, y.y, y.z, 0.5 * y.x * y.x, 0.5 * y.y * y.y, 0.5 * y.z * y.z, y.x * y.y, y.x * y.z, y.y * y.z}
+		: pairs{{1, y.x}, {y.y, y.z}, {0.5 * y.x * y.x, 0.5 * y.y * y.y}, {0.5 * y.z * y.z, y.x * y.y}, {y.x * y.z, y.y * y.z}}
 	{}
+	double value(int i) const { return pairs[i / 2][i % 2]; }
 };
 
-/// Normal equations of the least squares: the lower triangle of the matrix, and the right side.
+/// sums[2 k, 2 k + 1] += factor * pairs[k], for k < kCount
+template <int kCount> void addPairs(double* sums, double factor, const Pair* pairs)
+{
+	for (int k = 0; k < kCount; ++k)
+	{
+		Pair sum;
+		std::memcpy(&sum, sums + 2 * k, sizeof sum);
+		sum += factor * pairs[k];
+		std::memcpy(sums + 2 * k, &sum, sizeof sum);
+	}
+}
+
+/// Weighted sums of the components of the normals times the linear terms.
+struct NormalSums
+{
+	double of[3][4] = {};
+	void add(const Terms& p, double weight, const Vec3& normal)
+	{
+		addPairs<2>(of[0], weight * normal.x, p.pairs);
+		addPairs<2>(of[1], weight * normal.y, p.pairs);
+		addPairs<2>(of[2], weight * normal.z, p.pairs);
+	}
+};
+
+/// Normal equations of the least squares: the lower triangle of the matrix, and the right side. What is right of the diagonal is undefined.
 struct NormalEquations
 {
 	double a[kTerms][kTerms] = {}, r[kTerms] = {};
 
-	void add(const Terms& p, double weight, double target)
-	{
-		for (int i = 0; i < kTerms; ++i)
-		{
-			const double w = weight * p.value[i];
-			for (int j = 0; j <= i; ++j) a[i][j] += w * p.value[j];
-			r[i] += w * target;
-		}
-	}
+	void add(const Terms& p, double weight, double target) { addRows(p, weight, target, std::make_integer_sequence<int, kTerms>()); }
 
-	/// Adds the equations gradient = -n of all samples so far. `normals[k][j]`: weighted sum of n_k times the linear term j.
-	void addGradients(const double (&normals)[3][4])
+	/// Adds the equations gradient = -n of all samples so far.
+	void addGradients(const NormalSums& normals)
 	{
 		double linear[4][4];
 		for (int i = 0; i < 4; ++i)
@@ -62,7 +85,7 @@ struct NormalEquations
 			const int terms[4] = {1 + k, kSecond[k][0], kSecond[k][1], kSecond[k][2]};
 			for (int i = 0; i < 4; ++i)
 			{
-				r[terms[i]] -= kGradientShare * normals[k][i];
+				r[terms[i]] -= kGradientShare * normals.of[k][i];
 				for (int j = 0; j < 4; ++j)
 					if (terms[j] <= terms[i]) a[terms[i]][terms[j]] += linear[i][j];
 			}
@@ -93,6 +116,16 @@ struct NormalEquations
 			for (int k = i + 1; k < kTerms; ++k) sum -= l[k][i] * z[k];
 			z[i] = sum * inverse[i];
 		}
+	}
+
+private:
+	template <int... kRows> void addRows(const Terms& p, double weight, double target, std::integer_sequence<int, kRows...>)
+	{
+		(addPairs<kRows / 2 + 1>(a[kRows], weight * p.value(kRows), p.pairs), ...);
+		const Pair targets = {target, target};
+		Pair products[kPairs];
+		for (int k = 0; k < kPairs; ++k) products[k] = weight * p.pairs[k] * targets;
+		addPairs<kPairs>(r, 1, products);
 	}
 };
 
@@ -125,14 +158,13 @@ Frame frameOf(std::span<const DepthSample> samples, double spacing)
 NormalEquations equationsOf(std::span<const DepthSample> samples, const Frame& f)
 {
 	NormalEquations e;
-	double normals[3][4] = {};
+	NormalSums normals;
 	for (const DepthSample& s : samples)
 	{
 		if (!f.takes(s)) continue;
 		const Terms p(f.scaled(s.position));
 		e.add(p, s.weight, s.depth / f.scale);
-		for (int k = 0; k < 3; ++k)
-			for (int j = 0; j < 4; ++j) normals[k][j] += s.weight * s.normal[k] * p.value[j];
+		normals.add(p, s.weight, s.normal);
 	}
 	e.addGradients(normals);
 	return e;
