@@ -49,13 +49,13 @@ Result<DepthField> buildDepthField(const MeshDistance& surface, const DepthField
 	DepthSamplingOptions sampling{size_t(kSamplesPerCell * double(cells)), domainOf(mesh, spacing), spacing, options.seed, 0, threads};
 	std::vector<DepthSample> samples = sampleDepth(surface, sampling, sampled);
 	if (samples.empty()) return cancelled;
-	DepthPartition partition(std::move(samples), {cells, spacing, bounds(mesh).longestSide(), options.seed, threads});
+	DepthPartition partition(mesh, std::move(samples), {cells, spacing, bounds(mesh).longestSide(), options.seed, threads});
 	size_t most = std::max<size_t>(1, size_t(kFirstShare * double(cells)));
 	if (!partition.split(most, split)) return cancelled;
 	sampling.count = size_t(kLaterSamples * double(sampling.count));
 	for (sampling.stream = 1; sampling.stream <= kMostRounds; ++sampling.stream)
 	{
-		size_t misfits = partition.addMisfitsOfSurface(mesh);
+		size_t misfits = partition.addMisfitsOfSurface();
 		samples = sampleDepth(surface, sampling, sampled);
 		if (samples.empty()) return cancelled;
 		misfits += partition.addMisfits(samples);
@@ -70,6 +70,6 @@ Result<DepthField> buildDepthField(const MeshDistance& surface, const DepthField
 	for (uint64_t round = 0; round < kMostRounds && partition.addMisfitsOutside(surface, sampling.domain, sampling.stream + round); ++round)
 		if (!partition.split(cells, split)) return cancelled;
 	if (!split(1)) return cancelled;
-	return partition.field(mesh, sampling.domain);
+	return partition.field(sampling.domain);
 }
 }  // namespace ist

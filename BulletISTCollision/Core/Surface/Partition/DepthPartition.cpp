@@ -2,12 +2,12 @@
 #include "BulletISTCollision/Core/Surface/Partition/DepthPartition.h"
 
 #include "BulletISTCollision/Core/Surface/Partition/SplitPlane.h"
-#include "BulletISTCollision/Core/Surface/Partition/SurfaceNodes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <utility>
 
 namespace ist
@@ -31,10 +31,9 @@ constexpr double kOutsideShare = 0.5;
 // Nodes are split in parallel. A child seldom comes before a node with this share of its parent's priority.
 constexpr double kBatchSpan = 0.5;
 constexpr size_t kLargestBatch = 4096;
-constexpr size_t kTrianglesTogether = 256;  // that a thread looks at
-constexpr double kLeastSlope = 0.3;         // of a quadric whose gradient says where outside is
-constexpr double kSlack = 0.05;             // of the spacing; the corners of an element stand this far above a curved surface
-constexpr double kNever = -1;               // priority of a node that is not split
+constexpr double kLeastSlope = 0.3;  // of a quadric whose gradient says where outside is
+constexpr double kSlack = 0.05;      // of the spacing; the corners of an element stand this far above a curved surface
+constexpr double kNever = -1;        // priority of a node that is not split
 constexpr uint64_t kPlaneStream = 12, kOutsideStream = 64;
 constexpr int kOutsidePoints = 48;  // in each cell, to look for a positive depth outside of the body
 
@@ -53,7 +52,7 @@ DepthCell cellOf(const QuadricFit& fit)
 	return cell;
 }
 
-Vec3 middleOf(const std::vector<Vec3>& polygon)
+Vec3 middleOf(std::span<const Vec3> polygon)
 {
 	Vec3 sum;
 	for (const Vec3& p : polygon) sum += p;
@@ -75,7 +74,7 @@ Vec3 randomPoint(const std::vector<Vec3>& corners, CounterRandom& random)
 	return weights > 0 ? sum / weights : corners.front();
 }
 
-double areaOf(const std::vector<Vec3>& polygon)
+double areaOf(std::span<const Vec3> polygon)
 {
 	Vec3 sum;
 	for (size_t i = 2; i < polygon.size(); ++i) sum += cross(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]);
@@ -83,11 +82,14 @@ double areaOf(const std::vector<Vec3>& polygon)
 }
 }  // namespace
 
-DepthPartition::DepthPartition(std::vector<DepthSample> samples, const DepthPartitionOptions& options) : m_options(options)
+DepthPartition::DepthPartition(const Mesh& mesh, std::vector<DepthSample> samples, const DepthPartitionOptions& options)
+	: m_mesh(mesh),
+	  m_tolerance(surfaceTolerance(mesh)),
+	  m_options(options)
 {
 	m_nodes.resize(1);
 	m_nodes[0].child = DepthNode::kCell;
-	m_parts.push_back(partOf(std::move(samples)));
+	m_parts.push_back(partOf(std::move(samples), ClippedSurface(mesh)));
 	m_queue.push({m_parts[0].priority, 0});
 }
 
@@ -146,10 +148,11 @@ void DepthPartition::fit(Part& part) const
 		part.priority = std::max(std::numeric_limits<double>::min(), part.fit.squares * double(stride));
 }
 
-DepthPartition::Part DepthPartition::partOf(std::vector<DepthSample> samples) const
+DepthPartition::Part DepthPartition::partOf(std::vector<DepthSample> samples, ClippedSurface surface) const
 {
 	Part part;
 	part.samples = std::move(samples);
+	part.surface = std::move(surface);
 	fit(part);
 	return part;
 }
@@ -168,8 +171,9 @@ DepthPartition::Halves DepthPartition::halvesOf(Part& parent) const
 	const auto first = std::partition(begin, end, [&](const DepthSample& s) { return halves.node.beyond(s.position) <= -rounding; });
 	const auto second = std::partition(first, end, [&](const DepthSample& s) { return halves.node.beyond(s.position) < rounding; });
 	if (first == begin || second == end) return halves;
-	halves.first = partOf({begin, first});
-	halves.second = partOf({second, end});
+	auto [below, above] = parent.surface.halves(m_mesh, halves.node, m_tolerance);
+	halves.first = partOf({begin, first}, std::move(below));
+	halves.second = partOf({second, end}, std::move(above));
 	halves.isSplit = true;
 	return halves;
 }
@@ -224,37 +228,42 @@ size_t DepthPartition::addMisfits(const std::vector<DepthSample>& samples)
 	return insert({std::move(misfits)});
 }
 
-/// Appends those corners of a piece of the surface in a node that its cell does not match.
-void DepthPartition::listMisfits(size_t node, const Vec3& normal, const std::vector<Vec3>& polygon, std::vector<Misfit>& misfits) const
+/// Those corners of the surface in a part that its cell does not match.
+std::vector<DepthSample> DepthPartition::misfitsOfSurface(size_t part) const
 {
+	std::vector<DepthSample> misfits;
 	const double weight = weightOfDepth(0, m_options.spacing), area = m_options.spacing * m_options.spacing / kSamplesOfSquare;
-	const Vec3 middle = middleOf(polygon);
-	const double share = std::min(1.0, areaOf(polygon) / (area * double(polygon.size())));
-	const size_t part = m_nodes[node].cell();
-	for (const Vec3& corner : polygon)
-	{
-		const DepthSample s{middle + (corner - middle) * kShrinking, 0, normal, weight * share};
-		if (share > 0 && isMisfit(part, s) && partAt(s.position) == part) misfits.push_back({part, s});
-	}
+	m_parts[part].surface.forEach(m_mesh, [&](size_t triangle, std::span<const Vec3> polygon) {
+		const auto& t = m_mesh.triangles[triangle];
+		const Vec3& a = m_mesh.vertices[t[0]];
+		const Vec3 normal = normalized(cross(m_mesh.vertices[t[1]] - a, m_mesh.vertices[t[2]] - a));
+		const Vec3 middle = middleOf(polygon);
+		const double share = std::min(1.0, areaOf(polygon) / (area * double(polygon.size())));
+		for (const Vec3& corner : polygon)
+		{
+			const DepthSample s{middle + (corner - middle) * kShrinking, 0, normal, weight * share};
+			if (share > 0 && isMisfit(part, s) && partAt(s.position) == part) misfits.push_back(s);
+		}
+	});
+	return misfits;
 }
 
-size_t DepthPartition::addMisfitsOfSurface(const Mesh& mesh)
+size_t DepthPartition::addMisfitsOfSurface()
 {
-	const double tolerance = surfaceTolerance(mesh);
-	const size_t count = mesh.triangles.size();
-	std::vector<std::vector<Misfit>> found((count + kTrianglesTogether - 1) / kTrianglesTogether);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(m_options.threads)
-	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(found.size()); ++i)
+	std::vector<size_t> added(m_parts.size());
+#pragma omp parallel for schedule(dynamic, 16) num_threads(m_options.threads)
+	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(m_parts.size()); ++i)
 	{
-		const size_t first = size_t(i) * kTrianglesTogether, last = std::min(count, first + kTrianglesTogether);
-		visitSurface(m_nodes, mesh, first, last, tolerance, [&](size_t node, size_t triangle, const std::vector<Vec3>& polygon) {
-			const auto& t = mesh.triangles[triangle];
-			const Vec3& a = mesh.vertices[t[0]];
-			const Vec3 normal = normalized(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
-			listMisfits(node, normal, polygon, found[size_t(i)]);
-		});
+		const std::vector<DepthSample> misfits = misfitsOfSurface(size_t(i));
+		if (misfits.empty()) continue;
+		Part& part = m_parts[size_t(i)];
+		part.samples.insert(part.samples.end(), misfits.begin(), misfits.end());
+		fit(part);
+		added[size_t(i)] = misfits.size();
 	}
-	return insert(found);
+	for (size_t i = 0; i < added.size(); ++i)
+		if (added[i] > 0) m_queue.push({m_parts[i].priority, i});
+	return std::accumulate(added.begin(), added.end(), size_t(0));
 }
 
 /// Finds the corners of the region of each cell below a node, by its part.
@@ -333,24 +342,26 @@ double DepthPartition::deepestOf(const Part& part, bool holdsSurface) const
 	return std::max(deepest, 0.0) + kDeepestSlack * part.fit.radius / std::cbrt(count) + m_options.spacing / count;
 }
 
+/// The height of the highest point of the body in a part that is known [m].
+double DepthPartition::heightOf(const Part& part, const Vec3& up) const
+{
+	double highest = -std::numeric_limits<double>::infinity();
+	part.surface.forEach(m_mesh, [&](size_t, std::span<const Vec3> polygon) {
+		for (const Vec3& p : polygon) highest = std::max(highest, dot(up, p));
+	});
+	for (const DepthSample& s : part.samples)
+		if (!s.isOutside()) highest = std::max(highest, dot(up, s.position));
+	return highest;
+}
+
 /// Splits each node that holds surface once more: what lies above all of the body in it is outside. Without this, the quadric of a cell
 /// could be positive far away, where there are few samples.
-void DepthPartition::cutOffOutside(const Mesh& mesh, std::vector<DepthNode>& nodes) const
+void DepthPartition::cutOffOutside(std::vector<DepthNode>& nodes) const
 {
-	const double none = -std::numeric_limits<double>::infinity();
-	std::vector<double> highest(m_parts.size(), none);
-	const auto outward = [&](size_t part) { return normalized(-m_parts[part].fit.quadric.gradient); };
-	visitSurface(m_nodes, mesh, [&](size_t node, size_t, const std::vector<Vec3>& polygon) {
-		const size_t part = m_nodes[node].cell();
-		for (const Vec3& p : polygon) highest[part] = std::max(highest[part], dot(outward(part), p));
-	});
-	for (size_t part = 0; part < m_parts.size(); ++part)
+	for (const Part& p : m_parts)
 	{
-		const Part& p = m_parts[part];
-		if (highest[part] == none || p.fit.within == 0 || norm(p.fit.quadric.gradient) < kLeastSlope) continue;
-		const Vec3 up = outward(part);
-		for (const DepthSample& s : p.samples)
-			if (!s.isOutside()) highest[part] = std::max(highest[part], dot(up, s.position));
+		if (p.surface.empty() || p.fit.within == 0 || norm(p.fit.quadric.gradient) < kLeastSlope) continue;
+		const Vec3 up = normalized(-p.fit.quadric.gradient);
 		const size_t child = nodes.size();
 		nodes.resize(child + 2);
 		DepthNode& node = nodes[p.node];
@@ -358,26 +369,25 @@ void DepthPartition::cutOffOutside(const Mesh& mesh, std::vector<DepthNode>& nod
 		nodes[child + 1].child = DepthNode::kOutside;
 		nodes[child + 1].deepest = -1;
 		for (int k = 0; k < 3; ++k) node.normal[k] = float(up[k]);
-		node.offset = std::nextafter(float(highest[part] + kSlack * m_options.spacing), std::numeric_limits<float>::infinity());
+		node.offset = std::nextafter(float(heightOf(p, up) + kSlack * m_options.spacing), std::numeric_limits<float>::infinity());
 		node.child = uint32_t(child);
 	}
 }
 
-DepthField DepthPartition::field(const Mesh& mesh, const Box& domain) const
+DepthField DepthPartition::field(const Box& domain) const
 {
 	std::vector<DepthNode> nodes = m_nodes;
-	const std::vector<char> holdsSurface = nodesOfSurface(nodes, mesh);
 	std::vector<DepthCell> cells;
 	for (const Part& part : m_parts)
 	{
-		nodes[part.node].deepest = float(deepestOf(part, holdsSurface[part.node] != 0));
+		nodes[part.node].deepest = float(deepestOf(part, !part.surface.empty()));
 		cells.push_back(cellOf(part.fit));
 	}
-	cutOffOutside(mesh, nodes);
+	cutOffOutside(nodes);
 	for (size_t i = m_nodes.size(); i < nodes.size(); ++i)
 		if (!nodes[i].isOutside()) nodes[i].deepest = nodes[m_parts[nodes[i].cell()].node].deepest;
 	for (size_t i = nodes.size(); i-- > 0;)
 		if (!nodes[i].isCell()) nodes[i].deepest = std::max(nodes[nodes[i].child].deepest, nodes[nodes[i].child + 1].deepest);
-	return {std::move(nodes), std::move(cells), domain, bounds(mesh).lower.x - domain.lower.x};
+	return {std::move(nodes), std::move(cells), domain, bounds(m_mesh).lower.x - domain.lower.x};
 }
 }  // namespace ist

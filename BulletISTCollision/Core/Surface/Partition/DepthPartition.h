@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Surface/ConvexRegion.h"
 #include "BulletISTCollision/Core/Surface/DepthField.h"
+#include "BulletISTCollision/Core/Surface/Partition/ClippedSurface.h"
 #include "BulletISTCollision/Core/Surface/Partition/QuadricFit.h"
 
 #include <cstddef>
@@ -27,7 +28,8 @@ struct DepthPartitionOptions
 class DepthPartition
 {
 public:
-	DepthPartition(std::vector<DepthSample> samples, const DepthPartitionOptions& options);
+	/// Keeps a reference to the mesh.
+	DepthPartition(const Mesh& mesh, std::vector<DepthSample> samples, const DepthPartitionOptions& options);
 
 	/// Splits what can be split, up to `most` cells. `goesOn` gets the share of the cells that exist; the result is false if it returned
 	/// false.
@@ -37,7 +39,7 @@ public:
 	size_t addMisfits(const std::vector<DepthSample>& samples);
 
 	/// Adds points of the surface in every cell that the field does not match, in the same way.
-	size_t addMisfitsOfSurface(const Mesh& mesh);
+	size_t addMisfitsOfSurface();
 
 	/// Adds points outside of the body where a cell's depth is positive, in the same way. Looks in every cell, however thin, so that none
 	/// reaches out of the body between the samples. `stream`: each gives other points.
@@ -45,13 +47,14 @@ public:
 
 	size_t cellCount() const { return m_parts.size(); }
 	bool isFull() const { return m_parts.size() >= m_options.cells; }
-	DepthField field(const Mesh& mesh, const Box& domain) const;
+	DepthField field(const Box& domain) const;
 
 private:
-	/// A node with a cell, and the samples in it.
+	/// A node with a cell, and the samples and the surface in it.
 	struct Part
 	{
 		std::vector<DepthSample> samples;
+		ClippedSurface surface;
 		size_t node = 0;
 		double priority = 0;
 		QuadricFit fit;
@@ -74,14 +77,17 @@ private:
 	bool isMisfit(size_t part, const DepthSample& sample) const;
 	bool takeBatch(size_t most, std::vector<size_t>& batch);
 	void fit(Part& part) const;
-	Part partOf(std::vector<DepthSample> samples) const;
+	Part partOf(std::vector<DepthSample> samples, ClippedSurface surface) const;
 	Halves halvesOf(Part& parent) const;
 	void add(size_t parent, Halves& halves);
-	void listMisfits(size_t node, const Vec3& normal, const std::vector<Vec3>& polygon, std::vector<Misfit>& misfits) const;
+	std::vector<DepthSample> misfitsOfSurface(size_t part) const;
 	size_t insert(const std::vector<std::vector<Misfit>>& lists);
 	double deepestOf(const Part& part, bool holdsSurface) const;
-	void cutOffOutside(const Mesh& mesh, std::vector<DepthNode>& nodes) const;
+	double heightOf(const Part& part, const Vec3& up) const;
+	void cutOffOutside(std::vector<DepthNode>& nodes) const;
 
+	const Mesh& m_mesh;
+	const double m_tolerance;  // of the surface
 	DepthPartitionOptions m_options;
 	std::vector<DepthNode> m_nodes;  // the cell of a node is the index of its part
 	std::vector<Part> m_parts;
