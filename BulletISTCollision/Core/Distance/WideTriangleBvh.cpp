@@ -16,6 +16,7 @@ constexpr float kFarAway = 1e18f;  // three times its square is still a finite f
 constexpr double kFarthestPoint = 1e17;
 constexpr double kBeyond = -1;
 constexpr double kFloatSlack = 1 + 4e-6;  // factor on a square, for errors that grow with the distance from the mesh
+constexpr size_t kFirstNodes = 64;        // nodes that threads take one by one
 constexpr double kSlack = 2e-6;           // share of the diagonal; more than thirty roundings of a coordinate
 static_assert(TriangleHierarchy::kMostLevels <= kMostBvhLevels);
 
@@ -48,9 +49,20 @@ WideTriangleBvh::WideTriangleBvh(const TriangleHierarchy& hierarchy, double size
 	if (hierarchy.triangles.empty()) return;
 	m_triangles = hierarchy.triangles.data();
 	m_count = uint32_t(hierarchy.triangles.size());
-	m_root = add(hierarchy, hierarchy.root);
+	Layout layout;
+	m_root = add(hierarchy, hierarchy.root, layout);
 	m_nodes.shrink_to_fit();
-	m_leaves.shrink_to_fit();
+	const size_t leaves = layout.leaves.size();
+	m_leaves = std::make_unique_for_overwrite<BvhLeaf[]>(leaves);
+	// The first nodes bound the most triangles.
+#pragma omp taskloop grainsize(1) default(shared)
+	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(std::min(m_nodes.size(), kFirstNodes)); ++i)
+		encloseLanes(m_nodes[size_t(i)], layout.lanes[size_t(i)]);
+#pragma omp taskloop grainsize(64) default(shared)
+	for (std::ptrdiff_t i = std::ptrdiff_t(kFirstNodes); i < std::ptrdiff_t(m_nodes.size()); ++i)
+		encloseLanes(m_nodes[size_t(i)], layout.lanes[size_t(i)]);
+#pragma omp taskloop grainsize(256) default(shared)
+	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(leaves); ++i) fillLeaf(m_leaves[size_t(i)], layout.leaves[size_t(i)]);
 }
 
 void WideTriangleBvh::setPlane(BvhPlanes& planes, int lane, const Vec3& normal, const Vec3& point)
@@ -133,25 +145,37 @@ void WideTriangleBvh::setTriangle(BvhLeaf& leaf, int lane, const PreparedTriangl
 	}
 }
 
-uint32_t WideTriangleBvh::addLeaf(uint32_t begin, uint32_t end)
+void WideTriangleBvh::fillLeaf(BvhLeaf& leaf, const Range& range) const
 {
-	BvhLeaf leaf{};
-	leaf.first = begin;
-	for (uint32_t i = begin; i < begin + uint32_t(kBvhWidth); ++i)
+	leaf = {};
+	leaf.first = range.begin;
+	for (uint32_t i = range.begin; i < range.begin + uint32_t(kBvhWidth); ++i)
 	{
-		const int lane = int(i - begin);
-		if (i >= end) leaf.above.height[lane] = kFarAway;
+		const int lane = int(i - range.begin);
+		if (i >= range.end) leaf.above.height[lane] = kFarAway;
 		// The coordinates of a needle are not reliable, so it is always tested.
 		else if (m_triangles[i].inverseNormal2 == 0) leaf.unknown[lane] = kLargestBvhSquare;
 		else setTriangle(leaf, lane, m_triangles[i]);
 	}
-	m_leaves.push_back(leaf);
-	return uint32_t(m_leaves.size() - 1) | kBvhLeafBit;
 }
 
-uint32_t WideTriangleBvh::add(const TriangleHierarchy& hierarchy, const TriangleHierarchy::Child& child)
+void WideTriangleBvh::encloseLanes(BvhNode& node, const std::array<Range, kBvhWidth>& lanes) const
 {
-	if (const auto [begin, end] = hierarchy.range(child); end - begin <= uint32_t(kBvhWidth)) return addLeaf(begin, end);
+	for (int k = 0; k < kBvhWidth; ++k)
+	{
+		const Range& range = lanes[size_t(k)];
+		if (range.begin < range.end) enclose(node.bound, k, range.begin, range.end);
+	}
+}
+
+/// Lays out the nodes and leaves below a child. What they bound is computed later. Returns the child's number.
+uint32_t WideTriangleBvh::add(const TriangleHierarchy& hierarchy, const TriangleHierarchy::Child& child, Layout& layout)
+{
+	if (const auto [begin, end] = hierarchy.range(child); end - begin <= uint32_t(kBvhWidth))
+	{
+		layout.leaves.push_back({begin, end});
+		return uint32_t(layout.leaves.size() - 1) | kBvhLeafBit;
+	}
 	const auto halfArea = [](const TriangleHierarchy::Child& c) {
 		const Vec3 s = c.upper - c.lower;
 		return s.x * s.y + s.y * s.z + s.z * s.x;
@@ -171,16 +195,17 @@ uint32_t WideTriangleBvh::add(const TriangleHierarchy& hierarchy, const Triangle
 	}
 	const auto index = uint32_t(m_nodes.size());
 	m_nodes.emplace_back();
+	layout.lanes.emplace_back();
 	for (int k = 0; k < kBvhWidth; ++k)
 	{
-		const uint32_t below = k < count ? add(hierarchy, *lanes[k]) : kNone;
+		const uint32_t below = k < count ? add(hierarchy, *lanes[k], layout) : kNone;
 		BvhNode& node = m_nodes[index];
 		node.child[k] = below;
 		node.bound.x[k] = kFarAway;
 		if (k >= count) continue;
 		if (below & kBvhLeafBit) node.leaves |= 1u << k;
 		const auto [begin, end] = hierarchy.range(*lanes[k]);
-		enclose(node.bound, k, begin, end);
+		layout.lanes[index][size_t(k)] = {begin, end};
 	}
 	return index;
 }
@@ -200,7 +225,7 @@ void WideTriangleBvh::offer(uint32_t place, const Vec3& p, Nearest& best) const
 void WideTriangleBvh::begin(BvhSearch& search, const Vec3& p) const
 {
 	search.nodes = m_nodes.data();
-	search.leaves = m_leaves.data();
+	search.leaves = m_leaves.get();
 	search.root = m_root;
 	search.x = near(p.x), search.y = near(p.y), search.z = near(p.z);
 	search.rounding = m_slack;

@@ -5,8 +5,10 @@
 #include "BulletISTCollision/Core/Distance/TriangleHierarchy.h"
 #include "BulletISTCollision/Core/Distance/WideBvhNodes.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -34,7 +36,8 @@ public:
 	};
 
 	WideTriangleBvh() = default;
-	/// `size`: diagonal of the mesh. Keeps a reference to the hierarchy's triangles. Results do not depend on the instruction set.
+	/// `size`: diagonal of the mesh. Keeps a reference to the hierarchy's triangles. Results do not depend on the instruction set. The
+	/// threads of a surrounding parallel region share the work.
 	WideTriangleBvh(const TriangleHierarchy& hierarchy, double size, InstructionSet set);
 
 	/// Nearest triangle; kNone if none is nearer than the bound. `hint`: place of any triangle that is likely to be near. It changes the
@@ -52,8 +55,20 @@ private:
 	struct WithinSearch;
 
 	void offer(uint32_t place, const Vec3& p, Nearest& best) const;
-	uint32_t add(const TriangleHierarchy& hierarchy, const TriangleHierarchy::Child& child);
-	uint32_t addLeaf(uint32_t begin, uint32_t end);
+	/// Triangles [begin, end) that a lane of a node bounds, or that a leaf holds.
+	struct Range
+	{
+		uint32_t begin, end;
+	};
+	struct Layout
+	{
+		std::vector<std::array<Range, kBvhWidth>> lanes;  ///< of each node; empty lanes have no triangles
+		std::vector<Range> leaves;
+	};
+
+	uint32_t add(const TriangleHierarchy& hierarchy, const TriangleHierarchy::Child& child, Layout& layout);
+	void encloseLanes(BvhNode& node, const std::array<Range, kBvhWidth>& lanes) const;
+	void fillLeaf(BvhLeaf& leaf, const Range& range) const;
 	static void setTriangle(BvhLeaf& leaf, int lane, const PreparedTriangle& t);
 	static void setPlane(BvhPlanes& planes, int lane, const Vec3& normal, const Vec3& point);
 	Vec3 axisOf(uint32_t begin, uint32_t end) const;
@@ -64,7 +79,7 @@ private:
 	const PreparedTriangle* m_triangles = nullptr;
 	uint32_t m_count = 0;
 	std::vector<BvhNode> m_nodes;
-	std::vector<BvhLeaf> m_leaves;
+	std::unique_ptr<BvhLeaf[]> m_leaves;
 	uint32_t m_root = 0;
 	float m_slack = 0;  ///< more than the error of single precision anywhere in the mesh [m]
 };
