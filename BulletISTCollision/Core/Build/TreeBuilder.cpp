@@ -11,7 +11,11 @@
 #include "BulletISTCollision/Core/Tree/SurfaceResolution.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <future>
+#include <optional>
+#include <utility>
 
 namespace ist
 {
@@ -90,6 +94,32 @@ BodySurfaceOptions surfaceOptions(const BuildOptions& options)
 	return surface;
 }
 
+/// The elements of the surface. One thread builds them; where there are several, it does so beside the packing.
+class SurfaceElements
+{
+public:
+	/// Keeps a reference to the mesh.
+	SurfaceElements(const Mesh& mesh, const BodySurfaceOptions& options)
+	{
+		const bool isBeside = threadCount(options.threads) > 1;
+		ContactSurfaceOptions own{options.elements, options.progress};
+		// Progress is reported from the thread of the caller alone.
+		if (isBeside) own.progress = [this](const char*, double) { return !m_isCancelled; };
+		m_result = std::async(
+			isBeside ? std::launch::async : std::launch::deferred, [&mesh, own] { return buildContactSurface(mesh, own); });
+	}
+	~SurfaceElements() { m_isCancelled = true; }
+	SurfaceElements(const SurfaceElements&) = delete;
+	SurfaceElements& operator=(const SurfaceElements&) = delete;
+
+	/// Waits for them. To be called once.
+	Result<ContactSurface> take() { return m_result.get(); }
+
+private:
+	std::atomic<bool> m_isCancelled{false};
+	std::future<Result<ContactSurface>> m_result;  ///< its destructor waits
+};
+
 /// Returns false when the build was cancelled.
 bool buildTrees(InnerSphereTree& tree, const Cells& cells, int threads, const Progress& progress)
 {
@@ -144,6 +174,10 @@ Result<InnerSphereTree> buildRepaired(const Mesh& mesh, const RepairedMesh& repa
 	if (!goesOn(options.progress, "repair", 1)) return cancelled();
 	seconds.setup = watch.lap();
 
+	std::optional<SurfaceElements> elements;
+	const BodySurfaceOptions ofSurface = surfaceOptions(options);
+	if (options.surface) elements.emplace(surface.mesh(), ofSurface);
+
 	Result<SpherePacking> packing = pack(surface, tree.origin, options);
 	if (!packing) return packing.error();
 	tree.fill = packing.value().fill;
@@ -164,9 +198,11 @@ Result<InnerSphereTree> buildRepaired(const Mesh& mesh, const RepairedMesh& repa
 	tree.spheres = std::move(packing.value().spheres);
 	seconds.leaves = watch.lap();
 
-	if (options.surface)
+	if (elements)
 	{
-		Result<BodySurface> body = buildBodySurface(surface, surfaceOptions(options));
+		Result<ContactSurface> taken = elements->take();
+		if (!goesOn(options.progress, "surface", 1)) return cancelled();
+		Result<BodySurface> body = buildBodySurface(surface, std::move(taken), ofSurface);
 		if (!body) return body.error();
 		tree.surface = std::move(body.value());
 	}

@@ -20,7 +20,11 @@ std::string BodySurface::validate() const
 
 Result<BodySurface> buildBodySurface(const MeshDistance& mesh, const BodySurfaceOptions& options)
 {
-	Result<ContactSurface> surface = buildContactSurface(mesh.mesh(), {options.elements, options.progress});
+	return buildBodySurface(mesh, buildContactSurface(mesh.mesh(), {options.elements, options.progress}), options);
+}
+
+Result<BodySurface> buildBodySurface(const MeshDistance& mesh, Result<ContactSurface> surface, const BodySurfaceOptions& options)
+{
 	if (!surface) return surface.error();
 	Result<DepthField> field = buildDepthField(mesh, {options.cells, options.seed, options.threads, options.progress});
 	if (!field) return field.error();

@@ -31,4 +31,7 @@ struct BodySurfaceOptions
 
 /// Builds the surface and the depth field of a closed mesh.
 Result<BodySurface> buildBodySurface(const MeshDistance& mesh, const BodySurfaceOptions& options);
+
+/// Adds the depth field and the tables to what buildContactSurface() made of the mesh.
+Result<BodySurface> buildBodySurface(const MeshDistance& mesh, Result<ContactSurface> surface, const BodySurfaceOptions& options);
 }  // namespace ist
