@@ -37,6 +37,6 @@ struct BvhLeaf
 	float length[3][kBvhWidth];        ///< lengths of the edges ab, bc, ac
 	float alongEdge[2][2][kBvhWidth];  ///< directions of bc and ac: along, across
 	float unknown[kBvhWidth];          ///< 0, or more than any squared distance if the coordinates are not reliable
-	uint32_t first = 0;                ///< place of the first triangle in leaf order
+	uint32_t first;                    ///< place of the first triangle in leaf order
 };
 }  // namespace ist

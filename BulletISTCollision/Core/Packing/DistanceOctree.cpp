@@ -14,6 +14,7 @@ constexpr uint32_t kLeafCapacity = 32;
 constexpr size_t kMostListedTriangles = 48;  // limit for a node that can be split
 constexpr int kSharedLevels = 3;             // levels that an insertion processes together; below them it runs in parallel
 constexpr size_t kFewestToShare = 24;
+constexpr size_t kTrianglesOfShare = 1024;
 constexpr double kSplitRatio = 0.3;  // a leaf this much smaller than its distance has an almost linear f
 constexpr double kHalfDiagonal = 1.7320508075688774;
 
@@ -28,21 +29,22 @@ Vec3 fromSegment(const Vec3& p, const Vec3& u)
 }
 }  // namespace
 
-DistanceOctree::DistanceOctree(const MeshDistance& surface, double finest) : m_surface(surface), m_finest(finest)
+DistanceOctree::DistanceOctree(const MeshDistance& surface, double finest, ThreadPool& pool) : m_surface(surface), m_finest(finest)
 {
 	const Mesh& mesh = surface.mesh();
 	const Box box = bounds(mesh);
 	m_slack = 1e-10 * (box.longestSide() + norm(box.lower) + norm(box.upper));
-	m_triangles.reserve(mesh.triangles.size());
-	for (const auto& t : mesh.triangles)
-	{
+	m_triangles.resize(mesh.triangles.size());
+	m_hulls.resize(mesh.triangles.size());
+	pool.run(mesh.triangles.size(), kTrianglesOfShare, [&](size_t i, int) {
+		const auto& t = mesh.triangles[i];
 		const Vec3 a = mesh.vertices[t[0]], u = mesh.vertices[t[1]] - a, v = mesh.vertices[t[2]] - a;
 		const Vec3 n = normalized(cross(u, v));
 		const Vec3 middle = (u + v) * (1.0 / 3);
 		const double radius = std::sqrt(std::max({squaredNorm(middle), squaredNorm(u - middle), squaredNorm(v - middle)}));
-		m_triangles.push_back({a, u, v, n, cross(n, u), cross(n, v - u), cross(v, n)});
-		m_hulls.push_back({a + middle, radius});
-	}
+		m_triangles[i] = {a, u, v, n, cross(n, u), cross(n, v - u), cross(v, n)};
+		m_hulls[i] = {a + middle, radius};
+	});
 
 	m_root.center = (box.lower + box.upper) * 0.5;
 	m_root.half = 0.501 * box.longestSide();

@@ -42,7 +42,7 @@ public:
 	};
 
 	/// `finest`: leaves with a smaller half side are not split [m].
-	DistanceOctree(const MeshDistance& surface, double finest);
+	DistanceOctree(const MeshDistance& surface, double finest, ThreadPool& pool);
 
 	/// f(x); distance -1 and no item outside the box of the mesh.
 	Nearest nearest(const Vec3& x);

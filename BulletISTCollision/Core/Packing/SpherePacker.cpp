@@ -115,7 +115,7 @@ public:
 		  m_box(box),
 		  m_side(box.longestSide()),
 		  m_floor(std::max(options.minRadius, kSmallestRelativeRadius * m_side)),
-		  m_space(surface, 0.02 * m_floor),
+		  m_space(surface, 0.02 * m_floor, m_pool),
 		  m_ascents(size_t(threadCount(options.threads)), BallAscent(m_space))
 	{}
 
