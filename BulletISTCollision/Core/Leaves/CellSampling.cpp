@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/Geometry/Lens.h"
 #include "BulletISTCollision/Core/Leaves/GapLines.h"
 #include "BulletISTCollision/Core/Leaves/NearestSphere.h"
+#include "BulletISTCollision/Core/Mesh/ZOrder.h"
 
 #include <algorithm>
 #include <cmath>
@@ -115,30 +116,33 @@ class FieldSampler
 public:
 	explicit FieldSampler(const MeshDistance& surface) : m_surface(surface) {}
 
-	void evaluate(CellSample* samples, size_t count)
+	/// Evaluates samples of the ball, in an order in which neighbours follow each other.
+	void evaluate(const Sphere& ball, CellSample* samples, size_t count)
 	{
+		const Vec3 radius{ball.r, ball.r, ball.r};
+		const Box box{ball.center() - radius, ball.center() + radius};
 		m_order.resize(count);
-		std::iota(m_order.begin(), m_order.end(), 0u);
-		const auto position = [samples](uint32_t k) { return samples[k].position(); };
-		forEachCluster(m_order.data(), m_order.data() + count, position,
-			[&](const uint32_t* first, const uint32_t* last) { evaluateCluster(samples, first, last); });
+		for (size_t k = 0; k < count; ++k) m_order[k] = uint64_t(placeOnCurve(samples[k].position(), box)) << 32 | k;
+		std::sort(m_order.begin(), m_order.end());
+		for (const uint64_t place : m_order) evaluate(samples[uint32_t(place)]);
 	}
 
 	void evaluateCluster(CellSample* samples, const uint32_t* first, const uint32_t* last)
 	{
-		for (const uint32_t* k = first; k < last; ++k)
-		{
-			CellSample& s = samples[*k];
-			const MeshDistance::Field field = m_surface.field(s.position(), true, m_hint);
-			s.nx = float(field.normal.x), s.ny = float(field.normal.y), s.nz = float(field.normal.z);
-			s.depth = float(field.depth);
-		}
+		for (const uint32_t* k = first; k < last; ++k) evaluate(samples[*k]);
 	}
 
 private:
+	void evaluate(CellSample& s)
+	{
+		const MeshDistance::Field field = m_surface.field(s.position(), true, m_hint);
+		s.nx = float(field.normal.x), s.ny = float(field.normal.y), s.nz = float(field.normal.z);
+		s.depth = float(field.depth);
+	}
+
 	const MeshDistance& m_surface;
 	uint32_t m_hint = UINT32_MAX;
-	std::vector<uint32_t> m_order;
+	std::vector<uint64_t> m_order;  // place on the curve above, number of the sample below
 };
 
 /// Some neighbouring rows of lines, with the samples at their points.
@@ -274,7 +278,7 @@ void addBallSamples(const Sphere& sphere, const BallPart& part, uint64_t seed, F
 	sampleBall(sphere, part, count / 2, CounterRandom(seed, 3, part.sphere), samples);
 	const float weight = float(result.ballScale * ballVolume(sphere.r) / double(count));
 	for (size_t k = 2 * part.first; k < 2 * part.last; ++k) samples[k].weight = weight;
-	field.evaluate(samples + 2 * part.first, 2 * (part.last - part.first));
+	field.evaluate(sphere, samples + 2 * part.first, 2 * (part.last - part.first));
 }
 }  // namespace
 

@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/Surface/Partition/DepthSampling.h"
 
 #include "BulletISTCollision/Core/Base/CounterRandom.h"
+#include "BulletISTCollision/Core/Mesh/ZOrder.h"
 
 #include <algorithm>
 #include <array>
@@ -210,29 +211,6 @@ struct DomainPoint
 	Vec3 position;
 	bool operator<(const DomainPoint& o) const { return place != o.place ? place < o.place : index < o.index; }
 };
-
-/// Moves the ten lowest bits to every third place.
-uint32_t spreadBits(uint32_t bits)
-{
-	bits = (bits | bits << 16) & 0x030000ff;
-	bits = (bits | bits << 8) & 0x0300f00f;
-	bits = (bits | bits << 4) & 0x030c30c3;
-	return (bits | bits << 2) & 0x09249249;
-}
-
-/// Place on a Z-order curve through the box.
-uint32_t placeOnCurve(const Vec3& p, const Box& box)
-{
-	constexpr double kColumns = 1024;
-	const Vec3 size = box.size();
-	uint32_t place = 0;
-	for (int k = 0; k < 3; ++k)
-	{
-		const double share = size[k] > 0 ? (p[k] - box.lower[k]) / size[k] : 0;
-		place |= spreadBits(uint32_t(std::clamp(share * kColumns, 0.0, kColumns - 1))) << k;
-	}
-	return place;
-}
 
 /// The samples [first, last) of those in the domain, in the order of the curve.
 std::vector<DomainPoint> domainPoints(const DepthSampler& sampler, const Box& domain, size_t first, size_t last)
