@@ -39,7 +39,7 @@ constexpr size_t kStartsPerReport = 4000;
 constexpr double kBatchSpan = 0.97;
 constexpr size_t kLargestBatch = 8192;
 constexpr size_t kSpheresPerBatchMember = 4;
-constexpr size_t kShareOfGrowth = 8, kShareOfBatch = 24;                   // number of items per share of a thread
+constexpr size_t kShareOfGrowth = 2, kShareOfBatch = 24;                   // number of items per share of a thread
 constexpr uint64_t kSurfaceStream = 1, kAwayStream = 2, kChildStream = 3;  // streams of the random generator
 
 /// A sphere that fitted when it was grown.
