@@ -12,6 +12,7 @@ namespace
 {
 constexpr uint32_t kLeafCapacity = 32;
 constexpr size_t kMostListedTriangles = 48;  // limit for a node that can be split
+constexpr size_t kUsuallyNear = 128;         // items that a list has room for from the first
 constexpr int kSharedLevels = 3;             // levels that an insertion processes together; below them it runs in parallel
 constexpr size_t kFewestToShare = 24;
 constexpr size_t kTrianglesOfShare = 1024;
@@ -122,6 +123,7 @@ void DistanceOctree::addTriangles(Node& node, double bound, std::vector<Entry>& 
 {
 	node.nearest = std::min(node.nearest, m_surface.closest(node.center, bound + m_slack).distance);
 	std::vector<std::pair<double, uint32_t>> near;
+	near.reserve(kUsuallyNear);
 	node.triangles = m_surface.within(node.center, keepLimit(node), isCoarse(node) ? kMostListedTriangles : SIZE_MAX, near);
 	if (!node.triangles) return;
 	entries.reserve(entries.size() + near.size());
@@ -131,6 +133,7 @@ void DistanceOctree::addTriangles(Node& node, double bound, std::vector<Entry>& 
 void DistanceOctree::takeOver(Node& node, const Node& parent) const
 {
 	std::vector<Entry> entries;
+	entries.reserve(std::min(parent.entries.size(), kUsuallyNear));
 	node.nearest = 1e300;
 	double limit = 1e300;
 	for (const Entry& candidate : parent.entries)
