@@ -211,6 +211,25 @@ bool DepthPartition::isMisfit(size_t part, const DepthSample& sample) const
 	return std::fabs(errorAt(fit, sample, m_options.spacing)) > most;
 }
 
+/// Gives each part its misfits and fits its cell again. Returns the number of misfits.
+size_t DepthPartition::addToParts(const std::function<std::vector<DepthSample>(size_t part)>& misfitsOf)
+{
+	std::vector<size_t> added(m_parts.size());
+#pragma omp parallel for schedule(dynamic, 16) num_threads(m_options.threads)
+	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(m_parts.size()); ++i)
+	{
+		const std::vector<DepthSample> misfits = misfitsOf(size_t(i));
+		if (misfits.empty()) continue;
+		Part& part = m_parts[size_t(i)];
+		part.samples.insert(part.samples.end(), misfits.begin(), misfits.end());
+		fit(part);
+		added[size_t(i)] = misfits.size();
+	}
+	for (size_t i = 0; i < added.size(); ++i)
+		if (added[i] > 0) m_queue.push({m_parts[i].priority, i});
+	return std::accumulate(added.begin(), added.end(), size_t(0));
+}
+
 size_t DepthPartition::addMisfits(const std::vector<DepthSample>& samples)
 {
 	constexpr uint32_t kNone = UINT32_MAX;
@@ -222,10 +241,19 @@ size_t DepthPartition::addMisfits(const std::vector<DepthSample>& samples)
 		const size_t part = partAt(s.position);
 		if (isMisfit(part, s)) partOfMisfit[size_t(i)] = uint32_t(part);
 	}
-	std::vector<Misfit> misfits;
+	std::vector<size_t> first(m_parts.size() + 1);
+	for (const uint32_t part : partOfMisfit)
+		if (part != kNone) ++first[part + 1];
+	std::partial_sum(first.begin(), first.end(), first.begin());
+	std::vector<size_t> misfits(first.back()), next(first.begin(), first.end() - 1);
 	for (size_t i = 0; i < samples.size(); ++i)
-		if (partOfMisfit[i] != kNone) misfits.push_back({partOfMisfit[i], samples[i]});
-	return insert({std::move(misfits)});
+		if (partOfMisfit[i] != kNone) misfits[next[partOfMisfit[i]]++] = i;
+	return addToParts([&](size_t part) {
+		std::vector<DepthSample> own;
+		own.reserve(first[part + 1] - first[part]);
+		for (size_t k = first[part]; k < first[part + 1]; ++k) own.push_back(samples[misfits[k]]);
+		return own;
+	});
 }
 
 /// Those corners of the surface in a part that its cell does not match.
@@ -250,20 +278,7 @@ std::vector<DepthSample> DepthPartition::misfitsOfSurface(size_t part) const
 
 size_t DepthPartition::addMisfitsOfSurface()
 {
-	std::vector<size_t> added(m_parts.size());
-#pragma omp parallel for schedule(dynamic, 16) num_threads(m_options.threads)
-	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(m_parts.size()); ++i)
-	{
-		const std::vector<DepthSample> misfits = misfitsOfSurface(size_t(i));
-		if (misfits.empty()) continue;
-		Part& part = m_parts[size_t(i)];
-		part.samples.insert(part.samples.end(), misfits.begin(), misfits.end());
-		fit(part);
-		added[size_t(i)] = misfits.size();
-	}
-	for (size_t i = 0; i < added.size(); ++i)
-		if (added[i] > 0) m_queue.push({m_parts[i].priority, i});
-	return std::accumulate(added.begin(), added.end(), size_t(0));
+	return addToParts([this](size_t part) { return misfitsOfSurface(part); });
 }
 
 /// Finds the corners of the region of each cell below a node, by its part.
@@ -285,12 +300,9 @@ size_t DepthPartition::addMisfitsOutside(const MeshDistance& surface, const Box&
 {
 	std::vector<std::vector<Vec3>> corners(m_parts.size());
 	cornersOf(0, ConvexRegion(domain), corners);
-	std::vector<std::vector<Misfit>> found(m_parts.size());
-#pragma omp parallel for schedule(dynamic, 16) num_threads(m_options.threads)
-	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(m_parts.size()); ++i)
-	{
-		const size_t part = size_t(i);
-		if (corners[part].empty() || m_parts[part].fit.within == 0) continue;
+	return addToParts([&](size_t part) {
+		std::vector<DepthSample> misfits;
+		if (corners[part].empty() || m_parts[part].fit.within == 0) return misfits;
 		CounterRandom random(m_options.seed, kOutsideStream + stream, part);
 		for (int k = 0; k < kOutsidePoints; ++k)
 		{
@@ -298,38 +310,10 @@ size_t DepthPartition::addMisfitsOutside(const MeshDistance& surface, const Box&
 			if (!(m_parts[part].fit.quadric.depthAt(x) > 0) || surface.contains(x)) continue;
 			const MeshDistance::Field f = surface.field(x, false);
 			const DepthSample s{x, f.depth, f.normal, weightOfDepth(f.depth, m_options.spacing)};
-			if (isMisfit(part, s) && partAt(x) == part) found[part].push_back({part, s});
+			if (isMisfit(part, s) && partAt(x) == part) misfits.push_back(s);
 		}
-	}
-	return insert(found);
-}
-
-/// Gives each part its misfits, in the order of the lists, and fits its cell again. Returns the number of misfits.
-size_t DepthPartition::insert(const std::vector<std::vector<Misfit>>& lists)
-{
-	std::vector<size_t> begin(m_parts.size() + 1);
-	for (const std::vector<Misfit>& list : lists)
-		for (const Misfit& misfit : list) ++begin[misfit.first + 1];
-	std::partial_sum(begin.begin(), begin.end(), begin.begin());
-	const size_t count = begin.back();
-	if (count == 0) return 0;
-	std::vector<const DepthSample*> misfits(count);
-	std::vector<size_t> next(begin.begin(), begin.end() - 1);
-	for (const std::vector<Misfit>& list : lists)
-		for (const Misfit& misfit : list) misfits[next[misfit.first]++] = &misfit.second;
-#pragma omp parallel for schedule(dynamic, 16) num_threads(m_options.threads)
-	for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(m_parts.size()); ++i)
-	{
-		const size_t first = begin[size_t(i)], last = begin[size_t(i) + 1];
-		if (first == last) continue;
-		Part& part = m_parts[size_t(i)];
-		part.samples.reserve(part.samples.size() + last - first);
-		for (size_t k = first; k < last; ++k) part.samples.push_back(*misfits[k]);
-		fit(part);
-	}
-	for (size_t i = 0; i < m_parts.size(); ++i)
-		if (begin[i] < begin[i + 1]) m_queue.push({m_parts[i].priority, i});
-	return count;
+		return misfits;
+	});
 }
 
 /// Upper bound of the depth in a part, from its samples.

@@ -70,7 +70,6 @@ private:
 	{
 		bool operator()(const Waiting& a, const Waiting& b) const { return a.first != b.first ? a.first < b.first : a.second > b.second; }
 	};
-	using Misfit = std::pair<size_t, DepthSample>;  // part, sample
 
 	size_t partAt(const Vec3& x) const;
 	void cornersOf(size_t node, ConvexRegion region, std::vector<std::vector<Vec3>>& corners) const;
@@ -81,7 +80,7 @@ private:
 	Halves halvesOf(Part& parent) const;
 	void add(size_t parent, Halves& halves);
 	std::vector<DepthSample> misfitsOfSurface(size_t part) const;
-	size_t insert(const std::vector<std::vector<Misfit>>& lists);
+	size_t addToParts(const std::function<std::vector<DepthSample>(size_t part)>& misfitsOf);
 	double deepestOf(const Part& part, bool holdsSurface) const;
 	double heightOf(const Part& part, const Vec3& up) const;
 	void cutOffOutside(std::vector<DepthNode>& nodes) const;
