@@ -45,7 +45,7 @@ double capacity(const btISTContact& contact)
 /// Energy that lifts the load by the depth of the contact and lets the lighter body leave at kPartingSpeed [J].
 double energyToPart(const btISTContact& contact, double depth)
 {
-	return contact.constants.load * depth + btISTFreeMotion::lighterMassOf(contact) * kPartingSpeed * kPartingSpeed;
+	return contact.constants.load * depth + btISTBodyMotion::lighterMassOf(contact) * kPartingSpeed * kPartingSpeed;
 }
 
 /// Energy that a contact whose stiffness follows from a load has in any case [J]. Near the depth at which it rests, it is the linear
@@ -59,7 +59,7 @@ double leastStored(const btISTContact& contact, double most, double h)
 	if (!(beyond > 0)) return 0.5 * most;
 	const double speed = beyond / kCreepTime;
 	return std::min(
-		std::max(norm(contact.pressed), c.load) * speed * h + 0.5 * btISTFreeMotion::lighterMassOf(contact) * speed * speed, 0.5 * most);
+		std::max(norm(contact.pressed), c.load) * speed * h + 0.5 * btISTBodyMotion::lighterMassOf(contact) * speed * speed, 0.5 * most);
 }
 
 /// True when the force has reversed since the last step in which it had one direction. Patches that push against each other have no
@@ -92,7 +92,8 @@ bool btContactEnergyTank::begin(btISTContact& contact, double speed, double h)
 	{
 		// What a long step took beyond what the overlap can hold is damped, too.
 		tank.damped = std::min(tank.damped + std::max(tank.stored - most, 0.0), most);
-		tank.stored = std::clamp(tank.stored, leastStored(contact, most, h), most);
+		// A pose ahead is deeper than the present one.
+		tank.stored = std::clamp(tank.stored, contact.ahead > 0 ? 0 : leastStored(contact, most, h), most);
 		return turned;
 	}
 	const double depth = ist::meanDepth(contact.total);

@@ -25,6 +25,7 @@ void btVolumetricIslands::reserve(size_t contacts)
 	m_reserved = std::max(contacts, 2 * m_reserved);
 	const size_t patches = m_reserved * btISTContact::kMaxPatches;
 	m_entries.reserve(patches);
+	m_kept.reserve(patches);
 	m_islands.reserve(patches);
 	m_rows.reserve(patches);
 	m_moved.reserve(2 * patches);
@@ -57,8 +58,51 @@ bool btVolumetricIslands::isFinite(const btSolverBody& body)
 		ist::isFinite(toVec3(body.internalGetInvMass()));
 }
 
+namespace
+{
+/// Component of a stiffness or damping along a direction [N/m, N s/m].
+double along(const ist::SymmetricMatrix6& matrix, const ist::Vec3& n)
+{
+	double sum = 0;
+	for (int i = 0; i < 3; ++i)
+		for (int j = 0; j < 3; ++j) sum += n[i] * matrix(std::min(i, j), std::max(i, j)) * n[j];
+	return sum;
+}
+
+/// Makes a point of the patch, which pushes along its normal, with a stiffness of at least `least` [N/m].
+void keepNormal(btContactPatch& patch, double least)
+{
+	const ist::Vec3& n = patch.normal;
+	const auto reduce = [&](ist::SymmetricMatrix6& matrix, double size) {
+		matrix = ist::SymmetricMatrix6();
+		for (int i = 0; i < 3; ++i)
+			for (int j = i; j < 3; ++j) matrix(i, j) = size * n[i] * n[j];
+	};
+	patch.wrench = {dot(patch.wrench.force, n) * n, {}};
+	reduce(patch.stiffness, std::max(along(patch.stiffness, n), least));
+	reduce(patch.damping, along(patch.damping, n));
+}
+}  // namespace
+
+void btVolumetricIslands::keep(const btISTContact& contact)
+{
+	m_kept.erase(std::remove_if(m_kept.begin(), m_kept.end(), [&](const Entry& e) { return e.contact == &contact; }), m_kept.end());
+	for (Entry e : m_entries)
+	{
+		if (e.contact != &contact) continue;
+		keepNormal(e.patch, 0);
+		// A force that a way of the body's thickness would not change comes from beyond the other's middle.
+		if (dot(e.patch.wrench.force, e.patch.normal) > contact.thickness() * along(e.patch.stiffness, e.patch.normal)) continue;
+		e.kept = true;
+		e.patchIndex = 0;
+		e.impulse = e.elastic = ist::Wrench();
+		m_kept.push_back(e);
+	}
+}
+
 void btVolumetricIslands::add(btISTContact& contact, int bodyA, int bodyB, double friction)
 {
+	const size_t before = m_entries.size();
 	for (int i = 0; i < contact.patchCount; ++i)
 	{
 		Entry entry;
@@ -75,6 +119,8 @@ void btVolumetricIslands::add(btISTContact& contact, int bodyA, int bodyB, doubl
 		entry.friction = friction;
 		m_entries.push_back(entry);
 	}
+	for (const Entry& e : m_kept)
+		if (e.contact == &contact && m_entries.size() - before < btISTContact::kMaxPatches) m_entries.push_back(e);
 }
 
 int btVolumetricIslands::rootOf(int body)
@@ -138,13 +184,13 @@ void btVolumetricIslands::weigh(const btSolverBody* bodies)
 	}
 }
 
-/// Twist of A minus that of B at the patch's point, without the impulse of the contact. A body that others will hold within this step has
-/// the velocity at which they are supposed to.
+/// Twist of A minus that of B at the patch's point, without the impulse of the contact. A body that others hold or deflect within this
+/// step has the motion that they are supposed to give it.
 ist::Twist btVolumetricIslands::freeTwist(const Entry& e, const btSolverBody* bodies)
 {
-	ist::Twist free = twistAt(bodies[e.bodyA], e.patch.point) - twistAt(bodies[e.bodyB], e.patch.point);
-	free.linear += e.contact->supposed;
-	return free;
+	const btSolverBody &a = bodies[e.bodyA], &b = bodies[e.bodyB];
+	const ist::Twist changeA = movedTo(e.contact->supposedA, a, e.patch.point), changeB = movedTo(e.contact->supposedB, b, e.patch.point);
+	return twistAt(a, e.patch.point) + changeA - twistAt(b, e.patch.point) - changeB;
 }
 
 /// Decides the stiffness of contacts that follows from what they carry. The pair's rule sees only the two bodies of a pair, but the
@@ -162,11 +208,11 @@ void btVolumetricIslands::carryLoads(const btSolverBody* bodies)
 			for (const int body : {e.bodyA, e.bodyB})
 				if (const double mass = massOf(bodies[body]); mass > 0) load.mass = std::min(load.mass, mass);
 			const auto last = m_entries.begin() + std::ptrdiff_t(first) + count;
-			for (auto i = last - count; i != last; ++i)
+			for (auto i = last - count; i != last && !i->kept; ++i)
 				load.addApproach(contact, i->patchIndex, -dot(freeTwist(*i, bodies).linear, i->patch.normal));
 			const double factor = carryLoad(contact, load, m_step);
 			if (factor == 1) return;
-			for (auto i = last - count; i != last; ++i) multiply(i->patch, factor);
+			for (auto i = last - count; i != last && !i->kept; ++i) multiply(i->patch, factor);
 		});
 }
 
@@ -175,7 +221,7 @@ void btVolumetricIslands::leaveOutRolling(const btSolverBody* bodies)
 {
 	for (Entry& e : m_entries)
 	{
-		if (!(e.contact->patches[e.patchIndex].foundationVolume > 0)) continue;
+		if (e.kept || !(e.contact->patches[e.patchIndex].foundationVolume > 0)) continue;
 		double curvature = 0;
 		for (int side = 0; side < 2; ++side)
 		{
@@ -188,13 +234,17 @@ void btVolumetricIslands::leaveOutRolling(const btSolverBody* bodies)
 }
 
 /// Moves the wrenches of bodies that do not touch yet back to their present poses: there the spring of the contact pulls by as much as
-/// it lacks until the touch, and the solver leaves it out as long as it pulls.
+/// it lacks until the touch, and the solver leaves it out as long as it pulls. Where others hold or deflect a body, patches are points that
+/// push along their normals.
 void btVolumetricIslands::waitForTouch(const btSolverBody* bodies)
 {
 	for (Entry& e : m_entries)
 	{
 		const double ahead = e.contact->ahead;
-		if (!(ahead > 0)) continue;
+		if (e.kept || !(ahead > 0)) continue;
+		// If they resisted rotations, all of several could come to pull, and the bodies would pass through each other.
+		if (e.contact->deflected || e.contact->supposesOthers())
+			keepNormal(e.patch, norm(e.patch.wrench.force) / ist::meanDepth(e.contact->patches[e.patchIndex]));
 		const double left = (m_step - ahead) * -dot(freeTwist(e, bodies).linear, e.patch.normal);
 		if (left > kCentralWay * e.contact->thickness()) centre(e, bodies);
 		e.patch.wrench = e.patch.wrench + ahead * (e.patch.stiffness * freeTwist(e, bodies));
@@ -231,6 +281,7 @@ void btVolumetricIslands::displaceByRounding(const btSolverBody* bodies)
 	};
 	for (Entry& e : m_entries)
 	{
+		if (e.kept) continue;
 		const ist::Twist a = lacking(e.bodyA, e.patch.point), b = lacking(e.bodyB, e.patch.point);
 		e.patch.wrench = e.patch.wrench - e.patch.stiffness * (a - b);
 	}
@@ -294,7 +345,7 @@ void btVolumetricIslands::fill(Block& block, const Island& island, const btSolve
 		const ist::Twist givenA = a < 0 ? twistAt(bodies[e.bodyA], e.patch.point) : ist::Twist();
 		const ist::Twist givenB = b < 0 ? twistAt(bodies[e.bodyB], e.patch.point) : ist::Twist();
 		const int patch = block.solver.addPatch(e.patch, a, b, givenA - givenB, m_step, e.friction);
-		block.solver.startFriction(patch, m_step * e.contact->tank.friction[e.patchIndex]);
+		if (!e.kept) block.solver.startFriction(patch, m_step * e.contact->tank.friction[e.patchIndex]);
 		block.entries.push_back(i);
 	}
 	for (int i = island.firstJoint; i >= 0; i = m_joints[size_t(i)].next)
@@ -415,9 +466,17 @@ void btVolumetricIslands::finish(btSolverBody* bodies)
 	for (const Entry& e : m_entries) std::fill(std::begin(e.contact->tank.friction), std::end(e.contact->tank.friction), ist::Wrench());
 	for (const Entry& e : m_entries)
 	{
-		e.contact->impulses[e.patchIndex] = e.impulse;
-		e.contact->tank.friction[e.patchIndex] = (1 / m_step) * (e.impulse - e.elastic);
-		e.contact->normalImpulse += e.normalImpulse;
+		btISTContact& contact = *e.contact;
+		contact.normalImpulse += e.normalImpulse;
+		if (e.kept)
+		{
+			const ist::OverlapIntegrals& first = contact.patches[0];
+			const ist::Vec3 lever = e.patch.point - contact.X_WA * (contact.treeA->origin + first.firstMoment / first.volume);
+			contact.impulses[0] = contact.impulses[0] + ist::Wrench{e.impulse.force, e.impulse.torque + cross(lever, e.impulse.force)};
+			continue;
+		}
+		contact.impulses[e.patchIndex] = e.impulse;
+		contact.tank.friction[e.patchIndex] = (1 / m_step) * (e.impulse - e.elastic);
 	}
 	for (const Island& island : m_islands)
 		forEachContact(island, [&](size_t first, int count) {

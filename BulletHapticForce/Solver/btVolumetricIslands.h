@@ -17,8 +17,8 @@ struct btSolverBody;
 /// The volumetric contacts of one call of Bullet's solver, grouped into islands: bodies that are connected through such contacts, and
 /// through joints. btIslandBlockSolver solves an island at once, with the rows of its joints. An island that is too large for it is solved
 /// patch by patch, in Bullet's iterations; its joints stay Bullet's. An island takes part in no iteration when no other row of Bullet moves
-/// its bodies, because that would change nothing. With nothing set, it is solved again where its contacts have other areas at the end of
-/// the step, and where a tank holds less energy than its contact would return.
+/// its bodies, because that would change nothing. With nothing set, it is solved again where a tank holds less energy than its contact
+/// would return.
 ///
 /// Joints join islands in Bullet's order, as long as the sum is not too large. All other joints stay Bullet's, as do those of islands
 /// without volumetric contact.
@@ -39,6 +39,10 @@ public:
 	static bool isFinite(const btSolverBody& body);
 	/// Adds all patches of a contact between two bodies of the pool. At least one of the bodies must be able to move.
 	void add(btISTContact& contact, int bodyA, int bodyB, double friction);
+	/// Before a solve is repeated because a contact gets other sums: its patches of this solve take part in the next one, too, as points
+	/// that push along their normals.
+	void keep(const btISTContact& contact);
+	void forgetKept() { m_kept.clear(); }
 	/// Adds the rows of all joints, in Bullet's order. `prepare` takes those that it solves out of Bullet's iterations. Call it after the
 	/// last `add`. `rows` must live until `finish`.
 	void addJoints(btConstraintArray& rows, const btSolverBody* bodies);
@@ -66,7 +70,8 @@ private:
 		int bodyA = 0, bodyB = 0;
 		double friction = 0;
 		btContactPatch patch;
-		int next = -1;  // next entry of the same island
+		bool kept = false;  // of former sums of the contact, which `patch` describes as the step begins
+		int next = -1;      // next entry of the same island
 		ist::Wrench impulse, elastic;
 		double normalImpulse = 0;
 	};
@@ -134,6 +139,7 @@ private:
 	enum class Own
 	{
 		Contact,
+		ContactAfterOthers,  // the same, with the motion before that others gave (btISTContact::supposedA)
 		All
 	};
 	void gatherEnergyTank(size_t first, int count, const btSolverBody* bodies, Own whose, btEnergyTankPatch* patches) const;
@@ -155,7 +161,7 @@ private:
 	double m_step = 0;
 	uint64_t m_stepNumber = 0;
 	size_t m_reserved = 0;  // number of contacts
-	std::vector<Entry> m_entries;
+	std::vector<Entry> m_entries, m_kept;
 	std::vector<Joint> m_joints;
 	std::vector<Size> m_sizes;  // of the island of each root, while joints join islands
 	std::vector<Island> m_islands;

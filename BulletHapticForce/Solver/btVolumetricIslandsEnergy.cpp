@@ -53,7 +53,7 @@ std::vector<ist::Twist>& btVolumetricIslands::sumChanges(const btSolverBody* bod
 }
 
 /// Collects the patches of a contact, which are `count` entries from `first` on. Their `own` is what this contact has changed, or, if
-/// asked for, all contacts together.
+/// asked for, all contacts together. A contact that takes up what others have deflected begins with all that they give.
 void btVolumetricIslands::gatherEnergyTank(size_t first, int count, const btSolverBody* bodies, Own whose, btEnergyTankPatch* patches) const
 {
 	const Entry& e = m_entries[first];
@@ -62,9 +62,9 @@ void btVolumetricIslands::gatherEnergyTank(size_t first, int count, const btSolv
 	};
 	const ist::Twist all[2] = {m_change[size_t(e.bodyA)], m_change[size_t(e.bodyB)]};
 	const ist::Twist after[2] = {twist(bodies[e.bodyA]), twist(bodies[e.bodyB])};
-	const ist::Twist before[2] = {after[0] - all[0], after[1] - all[1]};
+	ist::Twist before[2] = {after[0] - all[0], after[1] - all[1]};
 	ist::Twist own[2] = {all[0], all[1]};
-	if (whose == Own::Contact)
+	if (whose != Own::All)
 		for (int side = 0; side < 2; ++side)
 		{
 			own[side] = {};
@@ -73,6 +73,8 @@ void btVolumetricIslands::gatherEnergyTank(size_t first, int count, const btSolv
 			for (size_t i = first; i < first + size_t(count); ++i)
 				own[side] = own[side] + response(rowBody(body), (side == 0 ? 1.0 : -1.0) * m_entries[i].impulse, m_entries[i].patch.point);
 		}
+	if (whose == Own::ContactAfterOthers && e.contact->supposesOthers())
+		for (int side = 0; side < 2; ++side) before[side] = after[side] - own[side];
 	for (int i = 0; i < count; ++i)
 	{
 		const Entry& entry = m_entries[first + size_t(i)];
@@ -94,8 +96,8 @@ void btVolumetricIslands::scale(Entry& e, double share, btSolverBody* bodies)
 	e.normalImpulse *= share;
 }
 
-/// Limits every contact of the island to its tank while the others stay as they are. That changes the work of the others, so that all
-/// together are then limited to the sum of their tanks.
+/// Limits every contact of the island to its tank while the others stay as they are. That changes the work of the others, and contacts that
+/// follow on others are judged by the motion that these gave. So all together are then limited to the sum of their tanks.
 void btVolumetricIslands::holdToEnergyTanks(const Island& island, btSolverBody* bodies)
 {
 	btEnergyTankPatch patches[btISTContact::kMaxPatches];
@@ -105,10 +107,11 @@ void btVolumetricIslands::holdToEnergyTanks(const Island& island, btSolverBody* 
 	double stored = 0;
 	bool held = false;
 	forEachContact(island, [&](size_t first, int count) {
-		gatherEnergyTank(first, count, bodies, Own::Contact, patches);
+		gatherEnergyTank(first, count, bodies, Own::ContactAfterOthers, patches);
 		const btISTContactEnergyTank& tank = m_entries[first].contact->tank;
 		const double share = btContactEnergyTank::share(btContactEnergyTank::scaledWork(patches, count), tank.stored);
 		stored += tank.stored;
+		held = held || m_entries[first].contact->supposesOthers();
 		if (!(share < 1)) return;
 		++m_statistics.contactsHeldToEnergyTank;
 		hold(first, count, share);
@@ -156,7 +159,7 @@ bool btVolumetricIslands::softenToEnergyTanks(const Island& island, const btSolv
 	bool softened = false;
 	btEnergyTankPatch patches[btISTContact::kMaxPatches];
 	forEachContact(island, [&](size_t first, int count) {
-		gatherEnergyTank(first, count, bodies, Own::Contact, patches);
+		gatherEnergyTank(first, count, bodies, Own::ContactAfterOthers, patches);
 		const double stored = m_entries[first].contact->tank.stored;
 		const double share = btContactEnergyTank::share(btContactEnergyTank::scaledWork(patches, count), stored);
 		if (!(share < kWorthSoftening)) return;

@@ -4,6 +4,7 @@
 #include "BulletHapticForce/Solver/btSolverBodyMotion.h"
 
 #include "BulletCollision/CollisionDispatch/btCollisionObject.h"
+#include "BulletCollision/CollisionDispatch/btManifoldResult.h"
 #include "BulletCollision/NarrowPhaseCollision/btPersistentManifold.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 #include "BulletDynamics/Featherstone/btMultiBodyLinkCollider.h"
@@ -14,6 +15,8 @@
 
 namespace
 {
+constexpr int kMostRepetitions = 3;  // of a solve, where it brings bodies deep into each other
+
 bool isRigid(const btCollisionObject* object)
 {
 	return object->getInternalType() == btCollisionObject::CO_RIGID_BODY || object->isStaticOrKinematicObject();
@@ -65,10 +68,12 @@ void btVolumetricSolver<Base>::addContact(btISTContact& contact, btPersistentMan
 	auto* b = const_cast<btCollisionObject*>(manifold.getBody1());
 	btVolumetricStatistics& statistics = m_islands.statistics();
 	statistics.contactsRefused += contact.status != ist::QueryStatus::Ok;
-	if (!a->hasContactResponse() || !b->hasContactResponse() || manifold.getNumContacts() == 0) return;
+	const bool hasPoints = manifold.getNumContacts() > 0;
+	if (!a->hasContactResponse() || !b->hasContactResponse() || !(hasPoints || contact.deflected)) return;
 	statistics.contactsTooDeep += contact.isDeep();
 	// The friction is read from the point, because a game's contact-added callback may have set it there.
-	const double friction = std::max(double(manifold.getContactPoint(0).m_combinedFriction), 0.0);
+	const btScalar combined = hasPoints ? manifold.getContactPoint(0).m_combinedFriction : gCalculateCombinedFrictionCallback(a, b);
+	const double friction = std::max(double(combined), 0.0);
 	if (kHasLinks && (linkOf(a) || linkOf(b))) addLinkContact(contact, *a, *b, friction, info.m_timeStep);
 	else addRigidContact(contact, *a, *b, friction, info.m_timeStep);
 }
@@ -168,6 +173,7 @@ void btVolumetricSolver<Base>::convertContacts(btPersistentManifold** manifolds,
 	m_islands.reserve(m_store->contacts().size());
 	m_ours.clear();
 	m_others.clear();
+	m_statisticsBefore = statistics();
 	for (int i = 0; i < count; ++i)
 	{
 		btISTContact* contact = volumetricContact(manifolds[i]);
@@ -176,10 +182,89 @@ void btVolumetricSolver<Base>::convertContacts(btPersistentManifold** manifolds,
 	}
 	Base::convertContacts(m_others.data(), int(m_others.size()), info);
 	if (m_ours.empty()) return;
+	keepState();
 	if constexpr (kHasLinks) m_links.findLoaded(this->m_multiBodyNonContactConstraints, this->m_data);
 	collectTouchedBodies();
 	m_islands.addJoints(this->m_tmpSolverNonContactConstraintPool, &this->m_tmpSolverBodyPool[0]);
 	m_islands.prepare(&this->m_tmpSolverBodyPool[0], this->m_tmpSolverBodyPool.size(), m_touched, double(info.m_timeStep), m_store->step());
+}
+
+/// Notes the contacts that a solve may be repeated for, as they are before it.
+template <class Base> void btVolumetricSolver<Base>::keepState()
+{
+	m_before.clear();
+	for (const btPersistentManifold* manifold : m_ours)
+	{
+		btISTContact& c = *m_store->find(manifold);
+		const bool isTakenOut = c.patchCount > 0 && manifold->getNumContacts() == 0 && !c.deflected;  // by a callback of the game
+		if (isTakenOut || !c.bodyA->hasContactResponse() || !c.bodyB->hasContactResponse()) continue;
+		m_before.push_back({&c, c.constants, c.tank, c.grown, c.growth, c.error.force});
+	}
+}
+
+template <class Base> void btVolumetricSolver<Base>::restoreState()
+{
+	for (const State& s : m_before)
+	{
+		s.contact->tank = s.tank;
+		s.contact->grown = s.grown;
+		s.contact->growth = s.growth;
+		s.contact->constants = s.constants;
+		s.contact->error.force = s.forceError;
+	}
+	m_islands.statistics() = m_statisticsBefore;
+	++m_islands.statistics().solvedAgain;
+	this->m_tmpSolverContactConstraintPool.resizeNoInitialize(0);
+	this->m_tmpSolverContactFrictionConstraintPool.resizeNoInitialize(0);
+	this->m_tmpSolverContactRollingFrictionConstraintPool.resizeNoInitialize(0);
+}
+
+/// Whether the solution brings two bodies far into each other, because contacts have deflected them. Their contact then has other sums.
+template <class Base> bool btVolumetricSolver<Base>::findDeflected(btScalar step)
+{
+	bool found = false;
+	for (State& state : m_before)
+	{
+		btISTContact& contact = *state.contact;
+		ist::Twist motion[2];
+		const ist::Twist* solved[2] = {};
+		for (int side = 0; side < 2; ++side)
+		{
+			auto* object = const_cast<btCollisionObject*>(side == 0 ? contact.bodyA : contact.bodyB);
+			const btSolverBody& body = this->m_tmpSolverBodyPool[this->getOrInitSolverBody(*object, step)];
+			if (!btSolverBodyMotion::canMove(body)) continue;
+			motion[side] = btSolverBodyMotion::twist(body);
+			solved[side] = &motion[side];
+		}
+		if (!m_store->motionProbe()->findDeeper(contact, solved[0], solved[1], double(step))) continue;
+		m_islands.keep(contact);
+		state.constants = contact.constants;
+		state.forceError = contact.error.force;
+		found = true;
+	}
+	return found;
+}
+
+/// Bullet's iterations, and all of the solve again where its result would bring bodies deep into each other. Nothing has been written into
+/// bodies and joints yet.
+template <class Base>
+btScalar btVolumetricSolver<Base>::solveGroupCacheFriendlyIterations(btCollisionObject** bodies, int bodyCount,
+	btPersistentManifold** manifolds, int manifoldCount, btTypedConstraint** constraints, int constraintCount,
+	const btContactSolverInfo& info, btIDebugDraw* debugDrawer)
+{
+	btScalar residual = Base::solveGroupCacheFriendlyIterations(
+		bodies, bodyCount, manifolds, manifoldCount, constraints, constraintCount, info, debugDrawer);
+	if (m_ours.empty() || !m_store->motionProbe()) return residual;
+	if constexpr (kHasLinks)
+		if (std::any_of(bodies, bodies + bodyCount, linkOf)) return residual;  // the iterations have changed their multibodies
+	for (int i = 0; i < kMostRepetitions && findDeflected(info.m_timeStep); ++i)
+	{
+		restoreState();
+		this->solveGroupCacheFriendlySetup(bodies, bodyCount, manifolds, manifoldCount, constraints, constraintCount, info, debugDrawer);
+		residual = Base::solveGroupCacheFriendlyIterations(
+			bodies, bodyCount, manifolds, manifoldCount, constraints, constraintCount, info, debugDrawer);
+	}
+	return residual;
 }
 
 template <class Base>
@@ -218,6 +303,7 @@ btScalar btVolumetricSolver<Base>::solveGroupCacheFriendlyFinish(btCollisionObje
 	}
 	for (btPersistentManifold* manifold : m_ours) writeAppliedImpulse(*manifold, m_store->find(manifold)->normalImpulse);
 	m_islands.clear();
+	m_islands.forgetKept();
 	m_links.clear();
 	m_ours.clear();
 	const btScalar residual = Base::solveGroupCacheFriendlyFinish(bodies, bodyCount, info);

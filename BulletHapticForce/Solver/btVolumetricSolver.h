@@ -42,12 +42,25 @@ public:
 
 protected:
 	void convertContacts(btPersistentManifold** manifolds, int count, const btContactSolverInfo& info) override;
+	btScalar solveGroupCacheFriendlyIterations(btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds,
+		int manifoldCount, btTypedConstraint** constraints, int constraintCount, const btContactSolverInfo& info,
+		btIDebugDraw* debugDrawer) override;
 	btScalar solveSingleIteration(int iteration, btCollisionObject** bodies, int bodyCount, btPersistentManifold** manifolds,
 		int manifoldCount, btTypedConstraint** constraints, int constraintCount, const btContactSolverInfo& info,
 		btIDebugDraw* debugDrawer) override;
 	btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int bodyCount, const btContactSolverInfo& info) override;
 
 private:
+	/// What the solver changes of a contact before it ends.
+	struct State
+	{
+		btISTContact* contact;
+		btISTPairConstants constants;
+		btISTContactEnergyTank tank;
+		double grown;
+		btISTStiffnessGrowth growth;
+		double forceError;
+	};
 	static constexpr bool kHasLinks = std::is_base_of_v<btMultiBodyConstraintSolver, Base>;
 
 	btISTContact* volumetricContact(const btPersistentManifold* manifold);
@@ -55,6 +68,9 @@ private:
 	void addRigidContact(btISTContact& contact, btCollisionObject& a, btCollisionObject& b, double friction, btScalar step);
 	void addLinkContact(btISTContact& contact, btCollisionObject& a, btCollisionObject& b, double friction, btScalar step);
 	void collectTouchedBodies();
+	void keepState();
+	void restoreState();
+	bool findDeflected(btScalar step);
 	void visitLoadedRows();
 
 	std::shared_ptr<btISTContactStore> m_store;
@@ -62,6 +78,8 @@ private:
 	btVolumetricLinks m_links;
 	std::vector<btPersistentManifold*> m_others, m_ours;
 	std::vector<int> m_touched;
+	std::vector<State> m_before;
+	btVolumetricStatistics m_statisticsBefore;
 };
 
 extern template class btVolumetricSolver<btSequentialImpulseConstraintSolver>;

@@ -13,6 +13,7 @@ struct btVolumetricStatistics
 	uint64_t activeSetRounds = 0;       ///< rounds of the active sets, over all block solves
 	uint64_t frictionNotConverged = 0;  ///< block solves whose friction sweeps ended before the impulses converged
 	uint64_t blocksNotFactorised = 0;   ///< block solves that exerted nothing, because of input that is not finite
+	uint64_t solvedAgain = 0;           ///< solves that were repeated, because deflected bodies would have gone deep into others
 	/// contacts whose impulses were reduced, because they would have returned more energy than was stored
 	uint64_t contactsHeldToEnergyTank = 0;
 	/// contacts whose force has reversed since the step before: one body was pushed, or fell, through the other

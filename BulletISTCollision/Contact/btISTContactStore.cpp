@@ -77,6 +77,12 @@ double aimedDepth(const btISTContact& contact, double size)
 }
 }  // namespace
 
+bool btISTContact::supposesOthers() const
+{
+	const auto isGiven = [](const ist::Twist& t) { return squaredNorm(t.linear) + squaredNorm(t.angular) > 0; };
+	return isGiven(supposedA) || isGiven(supposedB);
+}
+
 double btISTContact::thickness() const
 {
 	return std::min(ist::thicknessOf(*treeA), treeB ? ist::thicknessOf(*treeB) : std::numeric_limits<double>::infinity());

@@ -127,8 +127,10 @@ struct btISTContact
 	ist::Pose X_AB;                                  ///< pose of B's shape in A's, to which the sums belong
 	double ahead = 0;                                ///< if positive, the bodies do not touch yet: X_AB is the pose that their free motion
 													 ///< reaches after this time [s], and the sums are those of this first touch
-	ist::Vec3 supposed;                              ///< what the velocity of A relative to B is more than that of the free motion, where
-													 ///< `ahead` supposes that others hold one of the bodies [m/s, World]
+	ist::Twist supposedA, supposedB;                 ///< what the motions that `ahead` supposes are more than the free ones, about the
+													 ///< centres of mass: others hold or deflect the bodies in this step [World]
+	bool deflected = false;                          ///< the sums are those that btISTMotionProbe has found in this step
+	ist::Pose startX_WA, startX_AB;                  ///< X_WA and X_AB as the step began
 	ist::QueryStatus status = ist::QueryStatus::Ok;  ///< if not Ok, no overlap is claimed and the sums are zero
 	ist::OverlapIntegrals total;
 	ist::OverlapIntegrals patches[kMaxPatches];
@@ -156,7 +158,9 @@ struct btISTContact
 	double thickness() const;
 	/// Whether the contact is deeper than a tenth of the thinner body, where a body may be pushed through. No body floats too deep.
 	bool isDeep() const { return depth > kDeep * thickness() && constants.rule != btISTStiffnessRule::Fluid; }
-	/// Whether it was since the pair began.
+	/// Whether `ahead` supposes that others hold or deflect one of the bodies.
+	bool supposesOthers() const;
+	/// Whether it was deep since the pair began.
 	bool wasDeep() const { return deepest > kDeep * thickness(); }
 	btISTContactEnergyTank tank;  ///< reset as soon as the pair has parted
 
@@ -170,6 +174,19 @@ struct btISTContact
 	btISTCachedResult::Use use = btISTCachedResult::Ask;
 	btISTQueryCost cost;  ///< cost since the pair began
 	btISTCachedResult kept;
+};
+
+/// Looks for what the motion of a step brings. A solver asks it about bodies that contacts have deflected.
+class btISTMotionProbe
+{
+public:
+	/// If the motion in a step of `step` [s] takes the two bodies far deeper into each other than they were as it began, gives the contact
+	/// the sums of a pose on the way, with `ahead` and the constants, and returns true. Otherwise only `touchMissed` may change. The
+	/// motions are twists of the centres of mass [World]; null for a body that the solver does not move. No allocation.
+	virtual bool findDeeper(btISTContact& contact, const ist::Twist* motionA, const ist::Twist* motionB, double step) = 0;
+
+protected:
+	~btISTMotionProbe() = default;
 };
 
 /// The contacts of one world, found by their manifold: the only channel from collision to a solver. One owner thread.
@@ -204,6 +221,9 @@ public:
 	/// A solver that can wait for the touch switches it on.
 	void predictTouch(bool on) { m_predictsTouch = on; }
 	bool predictsTouch() const { return m_predictsTouch; }
+	/// Null: there is none.
+	btISTMotionProbe* motionProbe() const { return m_motionProbe; }
+	void setMotionProbe(btISTMotionProbe* probe) { m_motionProbe = probe; }
 	/// Times that a pair was so fast, or turned so fast, that its first touch may have been missed (btISTFirstTouch::kMostQueries).
 	uint64_t touchesMissed() const { return m_touchesMissed; }
 	void countMissedTouch() { ++m_touchesMissed; }
@@ -227,6 +247,7 @@ private:
 	std::vector<btISTContact*> m_active, m_free;
 	std::vector<std::unique_ptr<btISTContact>> m_pool;
 	uint64_t m_step = 1, m_touchesMissed = 0;
+	btISTMotionProbe* m_motionProbe = nullptr;
 	bool m_measures = false, m_sumsDamping = false, m_predictsTouch = false;
 	double m_querySeconds = 0;
 	btISTQueryCost m_cost;

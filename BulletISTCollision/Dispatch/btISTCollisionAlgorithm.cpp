@@ -158,7 +158,7 @@ void btISTCollisionAlgorithm::update(const btISTPairQuery& query, btISTContact& 
 /// step.
 void btISTCollisionAlgorithm::predictTouch(const btISTPairQuery& query, double step, btISTContact& contact) const
 {
-	const btISTFreeMotion a = btISTFreeMotion::of(contact.bodyA, step), b = btISTFreeMotion::of(contact.bodyB, step);
+	const btISTBodyMotion a = btISTBodyMotion::free(contact.bodyA, step), b = btISTBodyMotion::free(contact.bodyB, step);
 	const bool apart = contact.patchCount == 0;
 	if (apart) contact.touchMissed = !btISTFirstTouch(query, a, b, step).find(contact, m_context->workspace);
 	if (contact.ahead > 0) return;
@@ -168,12 +168,14 @@ void btISTCollisionAlgorithm::predictTouch(const btISTPairQuery& query, double s
 		const ist::Vec3* velocity = m_context->clusters.velocityOf(isA ? *contact.bodyA : *contact.bodyB);
 		const double change = velocity ? step * distance(*velocity, (isA ? a : b).twist.linear) : 0;
 		if (contact.ahead > 0 || !(change > btISTFirstTouch::kWorthLooking * contact.thickness())) continue;
-		btISTFreeMotion heldA = a, heldB = b;
+		btISTBodyMotion heldA = a, heldB = b;
 		(isA ? heldA : heldB).twist.linear = *velocity;
 		const btISTFirstTouch touch(query, heldA, heldB, step);
 		if (!apart) touch.findFurther(contact, m_context->later, m_context->workspace);
 		else if (!touch.find(contact, m_context->workspace)) contact.touchMissed = true;
-		if (contact.ahead > 0) contact.supposed = heldA.twist.linear - heldB.twist.linear - (a.twist.linear - b.twist.linear);
+		if (!(contact.ahead > 0)) continue;
+		contact.supposedA = heldA.twist - a.twist;
+		contact.supposedB = heldB.twist - b.twist;
 	}
 }
 
@@ -188,6 +190,8 @@ void btISTCollisionAlgorithm::evaluate(
 	contact.stamp = m_context->store.step();
 	contact.X_WA = toRigidPose(wrapA->getWorldTransform());
 	contact.X_AB = ist::inverse(contact.X_WA) * toRigidPose(wrapB->getWorldTransform());
+	contact.startX_WA = contact.X_WA;
+	contact.startX_AB = contact.X_AB;
 	contact.canPrefetch = isBody(*wrapA) && isBody(*wrapB);
 	const btISTShapeField field = m_treeB ? btISTShapeField() : btISTShapeField(wrapB->getCollisionShape());
 	const bool kept = &contact == m_contact;
@@ -198,7 +202,8 @@ void btISTCollisionAlgorithm::evaluate(
 	std::fill(contact.impulses, contact.impulses + btISTContact::kMaxPatches, ist::Wrench());
 	contact.normalImpulse = 0;
 	contact.touchMissed = false;
-	contact.supposed = {};
+	contact.supposedA = contact.supposedB = {};
+	contact.deflected = false;
 	contact.work = btISTContactWork();
 	if (contact.patchCount == 0)
 	{
@@ -220,12 +225,9 @@ void btISTCollisionAlgorithm::evaluate(
 			update(query, contact);
 		}
 	}
-	contact.error = ist::OverlapError();
 	contact.depth = depthOf(contact);
 	contact.deepest = std::max(contact.deepest, contact.depth);
-	if (!(contact.total.volume > 0)) return;
-	const double gaps = m_treeA->errorLength() + (m_treeB ? m_treeB->errorLength() : 0);
-	contact.error = ist::overlapError(contact.total, gaps, contact.leafDensity, contact.constants.k);
+	btISTPairQuery::judge(contact);
 }
 
 void btISTCollisionAlgorithm::processCollision(const btCollisionObjectWrapper* body0Wrap, const btCollisionObjectWrapper* body1Wrap,

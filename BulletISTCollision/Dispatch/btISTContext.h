@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Contact/btISTContactStore.h"
 #include "BulletISTCollision/Dispatch/btISTContactTest.h"
+#include "BulletISTCollision/Dispatch/btISTDeflectedPairs.h"
 #include "BulletISTCollision/Dispatch/btISTQueryThreads.h"
 #include "BulletISTCollision/PairQuery/btISTClusters.h"
 #include "BulletISTCollision/PairQuery/btISTPairQuery.h"
@@ -53,6 +54,7 @@ public:
 	{
 		contacts.context = closest.context = this;
 		closest.closest = true;
+		store.setMotionProbe(&deflectedPairs);
 	}
 	btISTCreateFunc& function(bool ofClosest) { return ofClosest ? closest : contacts; }
 
@@ -67,6 +69,7 @@ public:
 	ist::QueryWorkspace workspace;
 	btISTQueryRules rules;
 	btISTClusters clusters;
+	btISTDeflectedPairs deflectedPairs{*this};
 	btISTContact later;                          ///< for queries along the motion of a contact
 	std::unique_ptr<btISTVerletLists> memories;  ///< null: every query starts a new traversal
 	std::unique_ptr<btISTQueryThreads> threads;  ///< null: only the owner's thread queries

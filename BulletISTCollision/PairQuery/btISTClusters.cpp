@@ -21,7 +21,7 @@ int btISTClusters::add(const btCollisionObject& body, double step)
 	if (index < 0) return -1;
 	if (size_t(index) >= m_nodes.size()) m_nodes.resize(size_t(index) + 1);
 	Node& node = m_nodes[size_t(index)];
-	if (!node.body) node = {&body, index, kNone, btISTFreeMotion::massOf(body), btISTFreeMotion::of(&body, step).twist.linear};
+	if (!node.body) node = {&body, index, kNone, btISTBodyMotion::massOf(body), btISTBodyMotion::free(&body, step).twist.linear};
 	return index;
 }
 

@@ -6,6 +6,7 @@
 #include "BulletISTCollision/Registry/btISTConversion.h"
 
 #include "BulletDynamics/Dynamics/btRigidBody.h"
+#include "LinearMath/btTransformUtil.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +17,7 @@ namespace
 // Shares of the thickness of the thinner body.
 constexpr double kWorthLookingFurther = 0.1;  // motion in a step from which on a deeper place is looked for
 constexpr double kStride = 0.5;               // largest motion between two queries
-constexpr double kShallow = 0.05;             // mean depth that counts as a touch; a body that lies askew then touches with a side
+constexpr double kLeastOfAimed = 0.3;         // of an aimed depth: the area of a slighter touch says little
 constexpr int kMostHalvings = 10;
 
 double deepest(const btISTContact& contact)
@@ -35,52 +36,57 @@ double reach(const ist::InnerSphereTree& tree, const ist::Pose& X_WS, const ist:
 }
 }  // namespace
 
-btISTFreeMotion btISTFreeMotion::of(const btCollisionObject* object, double step)
+btISTBodyMotion btISTBodyMotion::free(const btCollisionObject* object, double step)
 {
-	btISTFreeMotion motion;
+	btISTBodyMotion motion;
 	motion.center = toVec3(object->getWorldTransform().getOrigin());
 	const btRigidBody* body = btRigidBody::upcast(object);
 	if (!body) return motion;
 	motion.twist = {toVec3(body->getLinearVelocity()), toVec3(body->getAngularVelocity())};
 	if (!body->isStaticOrKinematicObject())
 		motion.twist.linear += (step * double(body->getInvMass())) * toVec3(body->getTotalForce() * body->getLinearFactor());
-	return motion;
+	return motion.with(motion.twist, step);
 }
 
-ist::Pose btISTFreeMotion::after(double time, const ist::Pose& X_WS) const
+btISTBodyMotion btISTBodyMotion::with(const ist::Twist& other, double step) const
+{
+	const double angle = step * norm(other.angular), most = double(ANGULAR_MOTION_THRESHOLD);
+	return {center, {other.linear, angle > most ? most / angle * other.angular : other.angular}};
+}
+
+ist::Pose btISTBodyMotion::after(double time, const ist::Pose& X_WS) const
 {
 	ist::Pose X = turned(time, X_WS);
 	X.translation += time * twist.linear;
 	return X;
 }
 
-ist::Pose btISTFreeMotion::turned(double time, const ist::Pose& X_WS) const
+ist::Pose btISTBodyMotion::turned(double time, const ist::Pose& X_WS) const
 {
 	const ist::Mat3 turn = ist::rotationMatrix(ist::quaternionFromRotationVector(time * twist.angular));
 	return {turn * X_WS.rotation, center + turn * (X_WS.translation - center)};
 }
 
-double btISTFreeMotion::massOf(const btCollisionObject& object)
+double btISTBodyMotion::massOf(const btCollisionObject& object)
 {
 	const btRigidBody* body = btRigidBody::upcast(&object);
 	const double inverse = body && !body->isStaticOrKinematicObject() ? double(body->getInvMass()) : 0;
 	return inverse > 0 ? 1 / inverse : std::numeric_limits<double>::infinity();
 }
 
-double btISTFreeMotion::lighterMassOf(const btISTContact& contact) { return std::min(massOf(*contact.bodyA), massOf(*contact.bodyB)); }
+double btISTBodyMotion::lighterMassOf(const btISTContact& contact) { return std::min(massOf(*contact.bodyA), massOf(*contact.bodyB)); }
 
-/// Upper bound of the motion of any point of one body relative to the other in the step [m].
-double btISTFirstTouch::travel(const btISTContact& contact) const
+double btISTFirstTouch::travel(const btISTContact& contact, const btISTBodyMotion& a, const btISTBodyMotion& b, double step)
 {
-	double speed = norm(m_a.twist.linear - m_b.twist.linear);
-	if (const double spin = norm(m_a.twist.angular); spin > 0) speed += spin * reach(*contact.treeA, contact.X_WA, m_a.center);
-	if (const double spin = norm(m_b.twist.angular); spin > 0)
+	double speed = norm(a.twist.linear - b.twist.linear);
+	if (const double spin = norm(a.twist.angular); spin > 0) speed += spin * reach(*contact.treeA, contact.X_WA, a.center);
+	if (const double spin = norm(b.twist.angular); spin > 0)
 	{
 		const ist::Pose X_WB = poseOfB(contact);
 		// A closed form has no radius here; what of it can touch A lies within the reach of A.
-		speed += spin * (contact.treeB ? reach(*contact.treeB, X_WB, m_b.center) : reach(*contact.treeA, contact.X_WA, m_b.center));
+		speed += spin * (contact.treeB ? reach(*contact.treeB, X_WB, b.center) : reach(*contact.treeA, contact.X_WA, b.center));
 	}
-	return speed * m_step;
+	return speed * step;
 }
 
 void btISTFirstTouch::moveTo(double time, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact) const
@@ -88,24 +94,26 @@ void btISTFirstTouch::moveTo(double time, const ist::Pose& X_WA, const ist::Pose
 	contact.X_AB = inverse(m_a.after(time, X_WA)) * m_b.after(time, X_WB);
 }
 
-/// Halves the time between a pose apart and one that touches until the touch is shallow.
-void btISTFirstTouch::approachTouch(double apart, double touching, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact,
-	ist::QueryWorkspace& workspace) const
+/// Halves the time between a pose that is less deep than `aimed` [m] and the present one, until that is neither deeper nor much less deep.
+void btISTFirstTouch::approachDepth(double aimed, double before, double present, const ist::Pose& X_WA, const ist::Pose& X_WB,
+	btISTContact& contact, ist::QueryWorkspace& workspace) const
 {
-	const double shallow = kShallow * contact.thickness();
-	for (int i = 0; i < kMostHalvings && (contact.patchCount == 0 || ist::meanDepth(contact.total) > shallow); ++i)
-	{
-		const double middle = 0.5 * (apart + touching);
-		moveTo(middle, X_WA, X_WB, contact);
+	double time = present;
+	const auto moveOn = [&](double to) {
+		time = to;
+		moveTo(time, X_WA, X_WB, contact);
 		m_query.queryAt(contact, workspace);
-		(contact.patchCount > 0 ? touching : apart) = middle;
-	}
-	if (contact.patchCount == 0)
+	};
+	for (int i = 0; i < kMostHalvings; ++i)
 	{
-		moveTo(touching, X_WA, X_WB, contact);
-		m_query.queryAt(contact, workspace);
+		const double depth = deepest(contact);
+		if (depth > aimed) present = time;
+		else if (i > 0 && depth < kLeastOfAimed * aimed) before = time;
+		else break;
+		moveOn(0.5 * (before + present));
 	}
-	turnLevers(touching, X_WA, X_WB, contact);
+	if (contact.patchCount == 0) moveOn(present);
+	turnLevers(time, X_WA, X_WB, contact);
 }
 
 /// Sets `ahead` and the pose that gives the lever arms.
@@ -113,43 +121,46 @@ void btISTFirstTouch::turnLevers(double time, const ist::Pose& X_WA, const ist::
 {
 	contact.ahead = time;
 	const bool fasterB = squaredNorm(m_b.twist.linear) > squaredNorm(m_a.twist.linear);
-	// With the lever arms of the turned body, some of two tumbling trees were not held by a thin plate. A ball that rolls needs them.
-	const double turning = contact.treeB ? 0 : time;
+	// A body that cannot move gives the normal as it is in World. Two that move have the lever arms of the middle of the way: those are
+	// right to second order.
+	const bool bothMove = std::isfinite(btISTBodyMotion::massOf(*contact.bodyA)) && std::isfinite(btISTBodyMotion::massOf(*contact.bodyB));
+	const double turning = bothMove ? 0.5 * time : time;
 	contact.X_WA = fasterB ? m_b.turned(turning, X_WB) * inverse(contact.X_AB) : m_a.turned(turning, X_WA);
 }
 
-/// Moves the contact to the first pose at which it is far deeper than now, but still shallow. Returns false where there is none.
-bool btISTFirstTouch::moveFurther(btISTContact& contact, ist::QueryWorkspace& workspace) const
+bool btISTFirstTouch::moveDeeper(btISTContact& contact, double most, ist::QueryWorkspace& workspace) const
 {
-	const double stride = m_step * kStride * contact.thickness() / travel(contact);
-	const double aimed = std::max(kShallow * contact.thickness(), 2 * deepest(contact));
+	const double way = travel(contact), thickness = contact.thickness();
+	const double far = std::max(kShallow * thickness, 2 * deepest(contact)), deep = std::max(most * thickness, far);
 	const ist::Pose X_WA = contact.X_WA, X_WB = poseOfB(contact);
 	double before = 0, time = 0;
-	for (int i = 0; i < kMostQueries && !(deepest(contact) > aimed); ++i)
+	bool found = false;
+	int queries = 0;
+	while (time < m_step && queries < kMostQueries && !(deepest(contact) > deep))
 	{
-		if (time >= m_step || contact.patchCount == 0) return false;
+		const bool apart = contact.patchCount == 0;
+		const double known = apart ? m_query.clearanceAt(contact) : 0;
+		if ((apart && found) || known >= way * (1 - time / m_step)) break;
 		before = time;
-		time = std::min(time + stride, m_step);
+		time = std::min(time + m_step * std::max(known, kStride * thickness) / way, m_step);
 		moveTo(time, X_WA, X_WB, contact);
 		m_query.queryAt(contact, workspace);
+		found = found || deepest(contact) > far;
+		++queries;
 	}
-	for (int i = 0; i < kMostHalvings && deepest(contact) > aimed; ++i)
-	{
-		time = 0.5 * (before + time);
-		moveTo(time, X_WA, X_WB, contact);
-		m_query.queryAt(contact, workspace);
-	}
-	turnLevers(time, X_WA, X_WB, contact);
+	contact.touchMissed = contact.touchMissed || (queries == kMostQueries && time < m_step);
+	if (!found) return false;
+	approachDepth(deep, before, time, X_WA, X_WB, contact, workspace);
 	return contact.patchCount > 0;
 }
 
 void btISTFirstTouch::findFurther(btISTContact& contact, btISTContact& later, ist::QueryWorkspace& workspace) const
 {
 	const double way = travel(contact), k = contact.grown > 0 ? contact.grown : contact.constants.k;
-	const bool isTooSoft = k * norm(contact.total.areaVector) * m_step * m_step < btISTFreeMotion::lighterMassOf(contact);
+	const bool isTooSoft = k * norm(contact.total.areaVector) * m_step * m_step < btISTBodyMotion::lighterMassOf(contact);
 	if (!isTooSoft || !(way > kWorthLookingFurther * contact.thickness()) || !std::isfinite(way)) return;
 	later = contact;
-	if (moveFurther(later, workspace))
+	if (moveDeeper(later, kShallow, workspace))
 	{
 		btISTPairQuery::copyAnswer(later, contact);
 		contact.X_AB = later.X_AB;
@@ -178,7 +189,7 @@ bool btISTFirstTouch::find(btISTContact& contact, ist::QueryWorkspace& workspace
 		m_query.queryAt(contact, workspace);
 		++queries;
 		if (contact.patchCount == 0) continue;
-		approachTouch(before, time, X_WA, X_WB, contact, workspace);
+		approachDepth(kShallow * thickness, before, time, X_WA, X_WB, contact, workspace);
 		return true;
 	}
 	contact.X_AB = X_AB;

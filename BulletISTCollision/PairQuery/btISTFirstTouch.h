@@ -3,14 +3,17 @@
 
 #include "BulletISTCollision/PairQuery/btISTPairQuery.h"
 
-/// Motion of a body during a step if no contact holds it. Not installed.
-struct btISTFreeMotion
+/// Motion of a body during a step. Not installed.
+struct btISTBodyMotion
 {
 	ist::Vec3 center;  ///< centre of mass [World]
-	ist::Twist twist;  ///< of the centre of mass, gravity and other forces of the step included
+	ist::Twist twist;  ///< of the centre of mass
 
-	/// `step` [s]. A body that the solver cannot move, or that is no rigid body, keeps its velocity.
-	static btISTFreeMotion of(const btCollisionObject* object, double step);
+	/// The motion if no contact holds the body: gravity and other forces of the step are included. `step` [s]. A body that the solver
+	/// cannot move, or that is no rigid body, keeps its velocity.
+	static btISTBodyMotion free(const btCollisionObject* object, double step);
+	/// The same body with another twist. Bullet turns no body by more than 45 degrees in a step.
+	btISTBodyMotion with(const ist::Twist& other, double step) const;
 	/// Mass [kg]; infinite for a body that the solver cannot move, or that is no rigid body.
 	static double massOf(const btCollisionObject& object);
 	/// The smaller of the masses of the two bodies [kg].
@@ -27,35 +30,45 @@ struct btISTFreeMotion
 class btISTFirstTouch
 {
 public:
-	btISTFirstTouch(const btISTPairQuery& query, const btISTFreeMotion& a, const btISTFreeMotion& b, double step)
+	btISTFirstTouch(const btISTPairQuery& query, const btISTBodyMotion& a, const btISTBodyMotion& b, double step)
 		: m_query(query),
 		  m_a(a),
 		  m_b(b),
 		  m_step(step)
 	{}
 	/// For a contact without overlap at its X_WA and X_AB. If the bodies touch within the step, gives the contact the sums of that touch
-	/// and sets `ahead`; X_WA then makes the lever arms right for the faster body; with a closed form it has the rotation of that touch.
-	/// Otherwise leaves the contact without overlap. Between the poses that it asks, a body moves by at most half of the thinner one's
-	/// thickness, as long as kMostQueries suffice. Returns false where they did not. No allocation.
+	/// and sets `ahead`; X_WA then makes the lever arms right for the faster body. Otherwise leaves the contact without overlap. Between
+	/// the poses that it asks, a body moves by at most half of the thinner one's thickness, as long as kMostQueries suffice. Returns false
+	/// where they did not. No allocation.
 	bool find(btISTContact& contact, ist::QueryWorkspace& workspace) const;
 
 	/// For a contact with overlap that is too soft to stop the lighter body. If the motion takes the bodies far deeper into each other,
 	/// gives the contact the sums of a pose on the way and sets `ahead` and X_WA, as `find` does. `later` is memory for the queries.
 	void findFurther(btISTContact& contact, btISTContact& later, ist::QueryWorkspace& workspace) const;
 
+	/// For a contact at the poses as the step began, with or without overlap. If the motion takes the bodies far deeper into each other,
+	/// gives the contact the sums of the last pose on the way that is no deeper than `most`, a share of the thinner body's thickness. It
+	/// sets `ahead` and X_WA as `find` does, and returns true. Otherwise the sums are those of another pose. Sets `touchMissed` where
+	/// kMostQueries did not suffice.
+	bool moveDeeper(btISTContact& contact, double most, ist::QueryWorkspace& workspace) const;
+
+	/// Upper bound of the motion of any point of one body relative to the other in the step [m].
+	static double travel(const btISTContact& contact, const btISTBodyMotion& a, const btISTBodyMotion& b, double step);
+
 	static constexpr int kMostQueries = 64;
 	/// Motion in a step from which on a touch is looked for, as a share of the thickness of the thinner body.
 	static constexpr double kWorthLooking = 0.02;
+	/// Mean depth that counts as a touch, as such a share. A body that lies askew then touches with a side.
+	static constexpr double kShallow = 0.05;
 
 private:
-	bool moveFurther(btISTContact& contact, ist::QueryWorkspace& workspace) const;
+	double travel(const btISTContact& contact) const { return travel(contact, m_a, m_b, m_step); }
 	void turnLevers(double time, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact) const;
-	double travel(const btISTContact& contact) const;
 	void moveTo(double time, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact) const;
-	void approachTouch(double apart, double touching, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact,
+	void approachDepth(double aimed, double before, double present, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact,
 		ist::QueryWorkspace& workspace) const;
 
 	const btISTPairQuery& m_query;
-	const btISTFreeMotion &m_a, &m_b;
+	const btISTBodyMotion &m_a, &m_b;
 	double m_step;
 };

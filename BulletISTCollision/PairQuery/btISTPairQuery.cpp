@@ -158,6 +158,14 @@ btISTQueryWork btISTPairQuery::answer(btISTContact& contact, ist::QueryWorkspace
 	return work;
 }
 
+void btISTPairQuery::judge(btISTContact& contact)
+{
+	contact.error = ist::OverlapError();
+	if (!(contact.total.volume > 0)) return;
+	const double gaps = contact.treeA->errorLength() + (contact.treeB ? contact.treeB->errorLength() : 0);
+	contact.error = ist::overlapError(contact.total, gaps, contact.leafDensity, contact.constants.k);
+}
+
 void btISTPairQuery::copyAnswer(const btISTContact& from, btISTContact& to)
 {
 	to.status = from.status;

@@ -63,6 +63,8 @@ public:
 	double clearanceAt(const btISTContact& contact) const;
 	/// Copies all that `answer` may have written. The other members belong to the contact's owner, who may have changed them since.
 	static void copyAnswer(const btISTContact& from, btISTContact& to);
+	/// Writes the error of the sums with the present constants.
+	static void judge(btISTContact& contact);
 	/// Whether the sums were computed with other weights than the pair has now.
 	bool lacksDamping(const btISTContact& contact) const;
 

@@ -269,7 +269,40 @@ TEST(DefaultContact, AnOverhangOfTwoFifthsStaysAndOneOfMoreThanHalfTips)
 	}
 }
 
-// Ten rings are poured from up to 1.2 m. At 60 Hz some go on moving for a while, none deep in another (docs/stability.md).
+// A ball falls onto a floor from the side, slides on, and meets a wall within the same step. Its free motion passes below the wall.
+TEST(DefaultContact, ABodyThatIsDeflectedPassesNothing)
+{
+	constexpr double r = .03, thickness = .02, most = thickness / 4;
+	const Solid ball(ist::makeSphereMesh(r, 3), 400), plate(ist::makeBoxMesh({.5, thickness / 2, .5}), 400);
+	std::mt19937_64 random(7);
+	std::uniform_real_distribution<double> u(0, 1);
+	int deflected = 0;
+	for (int i = 0; i < 40; ++i)
+	{
+		const double speed = 6 + 8 * u(random), h = 1 / 60., drop = .3 * speed * h * u(random),
+					 slide = (2.2 * r) + .3 * speed * h * u(random);
+		Scene scene;
+		scene.world.setGravity(btVector3(0, 0, 0));
+		btCollisionShape* shape = scene.volumetricShape(plate);
+		scene.add(shape, 0, 0, at({0, -thickness / 2, 0}))->setFriction(0);
+		scene.add(shape, 0, 0, at({thickness / 2, .5, 0}, {0, 0, std::numbers::pi / 2}))->setFriction(0);
+		btRigidBody* body = scene.add(scene.volumetricShape(ball), .1, .1 * .4 * r * r, at({-r - slide - drop, r + drop, .1 * u(random)}));
+		body->setLinearVelocity(vec(Vec3{speed, -speed, 0}));
+		for (int step = 0; step < 20; ++step)
+		{
+			scene.step(h);
+			const Vec3 p = vec(body->getWorldTransform().getOrigin());
+			EXPECT_LT(p.x, -r + most) << i << ' ' << step;
+			EXPECT_GT(p.y, r - most) << i << ' ' << step;
+			EXPECT_LT(double(body->getLinearVelocity().length()), std::sqrt(2) * speed * (1 + 1e-5)) << i << ' ' << step;
+		}
+		deflected += scene.world.statistics().solvedAgain > 0;
+	}
+	EXPECT_GT(deflected, 20);
+}
+
+// Ten rings are poured from up to 1.2 m. At 60 Hz some go on moving for a while, none deep in another (docs/stability.md). Impacts take few
+// deep into each other: before steps were solved again for rings that others deflect, 66 contacts were deep in the mean of bins at 60 Hz.
 TEST(DefaultContact, RingsThatArePouredIntoABinComeToRest)
 {
 	const double major = .05;
@@ -294,13 +327,20 @@ TEST(DefaultContact, RingsThatArePouredIntoABinComeToRest)
 				const double x = u(random), z = u(random), a = u(random), b = u(random), c = u(random);
 				rings.push_back(scene.add(shape, .2, .2 * major * major, at({.03 * x, .15 + .12 * i, .03 * z}, {3 * a, 3 * b, 3 * c})));
 			}
-			scene.run(6, rate);
 			const std::string where = "seed " + std::to_string(seed) + " at " + std::to_string(rate);
+			int deep = 0;
+			for (int step = 0; step < int(6 * rate); ++step)
+			{
+				scene.step(1 / rate);
+				for (const btISTContact* contact : scene.world.contacts().contacts())
+					deep += contact->patchCount > 0 && !(contact->ahead > 0) && contact->isDeep();
+			}
+			EXPECT_LT(deep, 25) << where;
 			for (const btRigidBody* body : rings) EXPECT_LT(double(body->getLinearVelocity().length()), rate < 100 ? .05 : 1e-5) << where;
 			for (const btISTContact* contact : scene.world.contacts().contacts())
 			{
 				if (contact->patchCount == 0 || contact->ahead > 0) continue;
-				EXPECT_LT(contact->depth, (rate < 100 ? .06 : .03) * contact->thickness()) << where;
+				EXPECT_LT(contact->depth, .03 * contact->thickness()) << where;
 			}
 		}
 }

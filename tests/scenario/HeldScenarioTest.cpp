@@ -76,14 +76,14 @@ struct Chain : Scene
 };
 }  // namespace
 
-// Each link that is caught stops the next one in the same step.
+// Each link that is caught stops the next one in the same step. From 86 degrees the chain cracks like a whip.
 TEST(Held, AChainThatFallsTautHolds)
 {
-	for (const auto& [rate, k, share, speed] : {std::tuple{60., 0., .98, 0.}, {60., 0., 1., 0.}, {240., 0., .98, 0.}, {60., 1e9, .98, 0.},
-			 {240., 1e9, .98, 0.}, {60., 0., .98, 8.}})
+	for (const auto& [rate, k, share, speed, lean] : {std::tuple{60., 0., .98, 0., .6}, {60., 0., 1., 0., .6}, {240., 0., .98, 0., .6},
+			 {60., 1e9, .98, 0., .6}, {240., 1e9, .98, 0., .6}, {60., 0., .98, 8., .6}, {60., 0., .98, 0., 1.2}, {60., 0., .98, 0., 1.5}})
 	{
-		SCOPED_TRACE(testing::Message() << rate << " Hz, k " << k << ", pitch " << share << ", " << speed << " m/s");
-		Chain chain(20, share, .6, speed);
+		SCOPED_TRACE(testing::Message() << rate << " Hz, k " << k << ", pitch " << share << ", " << speed << " m/s, lean " << lean);
+		Chain chain(20, share, lean, speed);
 		for (btRigidBody* body : chain.links) chain.setStiffness(body, k);
 		double stretch = 0;
 		for (int i = 0; i < int(1.5 * rate); ++i)

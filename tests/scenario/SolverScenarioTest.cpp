@@ -5,6 +5,7 @@
 #include "BulletCollision/CollisionDispatch/btSimulationIslandManager.h"
 
 #include <cstring>
+#include <numbers>
 
 using namespace scenario;
 
@@ -118,6 +119,30 @@ TEST(btISTWorld, AllocatesNothingInAStepAfterWarmUp)
 	}
 	EXPECT_EQ(allocationCount() - before, 0);
 	EXPECT_GE(patches, 3 * 240);
+}
+
+// A ball falls onto a floor from the side and slides into a wall within the same step, again and again.
+TEST(btISTWorld, AllocatesNothingWhereAStepIsSolvedAgain)
+{
+	const Solid ball(ist::makeSphereMesh(.03, 3), 400), plate(ist::makeBoxMesh({.5, .01, .5}), 400);
+	Scene scene;
+	scene.world.setGravity(btVector3(0, 0, 0));
+	btCollisionShape* shape = scene.volumetricShape(plate);
+	scene.add(shape, 0, 0, at({0, -.01, 0}))->setFriction(0);
+	scene.add(shape, 0, 0, at({.01, .5, 0}, {0, 0, std::numbers::pi / 2}))->setFriction(0);
+	btRigidBody* body = scene.add(scene.volumetricShape(ball), .1, 3.6e-5, at({}));
+	const auto fly = [&] {
+		body->setCenterOfMassTransform(at({-.12, .045, 0}));
+		body->setLinearVelocity(btVector3(10, -10, 0));
+		body->setAngularVelocity(btVector3(0, 0, 0));
+		for (int i = 0; i < 5; ++i) scene.step(1. / 60);
+	};
+	for (int i = 0; i < 4; ++i) fly();
+	const long before = allocationCount();
+	const uint64_t solvedBefore = scene.world.statistics().solvedAgain;
+	for (int i = 0; i < 4; ++i) fly();
+	EXPECT_EQ(allocationCount() - before, 0);
+	EXPECT_GE(scene.world.statistics().solvedAgain - solvedBefore, 4u);
 }
 
 TEST(btVolumetricSolver, AllocatesNothingAfterWarmUp)

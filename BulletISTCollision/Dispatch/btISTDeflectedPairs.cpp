@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Zlib
+#include "BulletISTCollision/Dispatch/btISTDeflectedPairs.h"
+
+#include "BulletISTCollision/Dispatch/btISTContext.h"
+#include "BulletISTCollision/PairQuery/btISTFirstTouch.h"
+
+#include <cmath>
+
+namespace
+{
+/// Depth up to which a pose on the way gives the normal and the area of the contact, as a share of the thinner body's thickness. A pair
+/// whose touch is known is asked for as late a pose as this allows: what turns a body after the touch brings other places together.
+constexpr double kSound = 0.4;
+
+/// The motion, and what it has more than the free one.
+struct Deflected
+{
+	btISTBodyMotion motion, change;
+
+	Deflected(const btCollisionObject* body, const ist::Twist* solved, double step)
+		: motion(btISTBodyMotion::free(body, step)),
+		  change(motion)
+	{
+		const ist::Twist free = motion.twist;
+		if (solved) motion = motion.with(*solved, step);
+		change.twist = motion.twist - free;
+	}
+};
+}  // namespace
+
+bool btISTDeflectedPairs::findDeeper(btISTContact& contact, const ist::Twist* motionA, const ist::Twist* motionB, double step)
+{
+	const Deflected a(contact.bodyA, motionA, step), b(contact.bodyB, motionB, step);
+	const double least = btISTFirstTouch::kWorthLooking * contact.thickness();
+	const double way = btISTFirstTouch::travel(contact, a.motion, b.motion, step);
+	if (!(way > least) || !std::isfinite(way)) return false;
+	const bool isKnown = contact.patchCount > 0;
+	if (!isKnown && !(btISTFirstTouch::travel(contact, a.change, b.change, step) > least)) return false;
+
+	const btISTShapeField field = contact.treeB ? btISTShapeField() : btISTShapeField(contact.shapeB);
+	const btISTPairQuery query(field, m_context.rules, true, m_context.store.sumsDamping());
+	btISTContact& later = m_context.later;
+	later = contact;
+	later.X_WA = contact.startX_WA;
+	later.X_AB = contact.startX_AB;
+	later.ahead = 0;
+	if (contact.ahead > 0) query.queryAt(later, m_context.workspace);
+	const bool found = btISTFirstTouch(query, a.motion, b.motion, step)
+						   .moveDeeper(later, isKnown ? kSound : btISTFirstTouch::kShallow, m_context.workspace);
+	if (later.touchMissed && !contact.touchMissed) m_context.store.countMissedTouch();
+	contact.touchMissed = later.touchMissed;
+	if (found)
+	{
+		later.constants = m_context.rule->decide(later, later.bodyA, later.bodyB);
+		if (query.lacksDamping(later)) query.queryAt(later, m_context.workspace);
+		btISTPairQuery::copyAnswer(later, contact);
+		contact.X_AB = later.X_AB;
+		contact.X_WA = later.X_WA;
+		contact.constants = later.constants;
+		contact.deflected = true;
+		contact.supposedA = a.change.twist;
+		contact.supposedB = b.change.twist;
+		btISTPairQuery::judge(contact);
+	}
+	later.treeA.reset();
+	later.treeB.reset();
+	later.memory.reset();
+	return found;
+}
