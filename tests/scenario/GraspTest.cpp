@@ -384,8 +384,8 @@ TEST(GraspReport, IsBadAsSoonAsOneGraspIs)
 		"held, though friction", "a bone was pressed with 12.5 N, 4.2 % more than the 12 N of its coupling; 2 % are allowed",
 		"the map has 103 % of the contacts' impulse", "no force closure",
 		"the palm was pressed with 90 N, 50 % more than the 60 N of its coupling", "touched nothing", "lost at 2.5 s",
-		"to rest on the table"};
-	for (int wrong = 0; wrong < 9; ++wrong)
+		"to rest on the table", "not lifted, 110 mm below its start"};
+	for (int wrong = 0; wrong < 10; ++wrong)
 	{
 		GraspReportOutcome::Row row = good;
 		if (wrong == 0) row.rough.held = false, row.rough.lostAt = 1.7, row.rough.lostHeight = 0.003;
@@ -393,6 +393,7 @@ TEST(GraspReport, IsBadAsSoonAsOneGraspIs)
 		if (wrong == 6) row.rough.held = row.rough.touched = false, row.mapForce = 0;
 		if (wrong == 7) row.rough.held = false, row.rough.lostAt = 2.5;
 		if (wrong == 8) row.rough.putDown = false;
+		if (wrong == 9) row.rough.held = false, row.rough.lostAt = 1.7, row.rough.lostHeight = -0.11;
 		if (wrong == 1) row.smooth.held = true;
 		if (wrong == 2) row.smooth.peakForce = 12.5;
 		if (wrong == 3) row.mapForce = 1.03;

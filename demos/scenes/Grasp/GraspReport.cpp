@@ -22,10 +22,11 @@ std::string whyLost(const GraspOutcome& o, double mass)
 	if (!o.touched)
 		return of(o) + "the hand closed and touched nothing, as where an object is lower than it: turn it (--up), or give another --unit.";
 	const bool lifted = o.lostAt > GraspMotion::kLifted + 0.01;
-	return of(o) + (lifted ? "lost at " + formatNumber(o.lostAt, 2) + " s" : "not lifted") + ", " + formatNumber(1e3 * o.lostHeight, 2) +
-		" mm above its start, where more than " + formatNumber(1e3 * GraspOutcome::kOffTable, 2) +
-		" mm are asked: the parts pressed with " + formatNumber(o.gripForce, 2) + " N in all, of which friction bears " +
-		formatNumber(o.friction * o.gripForce, 2) + " N, and it weighs " + formatNumber(9.81 * mass, 2) + " N.";
+	return of(o) + (lifted ? "lost at " + formatNumber(o.lostAt, 2) + " s" : "not lifted") + ", " +
+		formatNumber(1e3 * std::fabs(o.lostHeight), 2) + (o.lostHeight < 0 ? " mm below" : " mm above") + " its start, where more than " +
+		formatNumber(1e3 * GraspOutcome::kOffTable, 2) + " mm are asked: the parts pressed with " + formatNumber(o.gripForce, 2) +
+		" N in all, of which friction bears " + formatNumber(o.friction * o.gripForce, 2) + " N, and it weighs " +
+		formatNumber(9.81 * mass, 2) + " N.";
 }
 
 void judgeForce(std::vector<std::string>& failures, const GraspOutcome& o, const char* part, double force, double limit)
