@@ -89,9 +89,11 @@ double btISTFirstTouch::travel(const btISTContact& contact, const btISTBodyMotio
 	return speed * step;
 }
 
-void btISTFirstTouch::moveTo(double time, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact) const
+void btISTFirstTouch::moveTo(
+	double time, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact, ist::QueryWorkspace& workspace) const
 {
 	contact.X_AB = inverse(m_a.after(time, X_WA)) * m_b.after(time, X_WB);
+	m_query.queryAt(contact, workspace);
 }
 
 /// Halves the time between a pose that is less deep than `aimed` [m] and the present one, until that is neither deeper nor much less deep.
@@ -99,20 +101,20 @@ void btISTFirstTouch::approachDepth(double aimed, double before, double present,
 	btISTContact& contact, ist::QueryWorkspace& workspace) const
 {
 	double time = present;
-	const auto moveOn = [&](double to) {
-		time = to;
-		moveTo(time, X_WA, X_WB, contact);
-		m_query.queryAt(contact, workspace);
-	};
 	for (int i = 0; i < kMostHalvings; ++i)
 	{
 		const double depth = deepest(contact);
 		if (depth > aimed) present = time;
 		else if (i > 0 && depth < kLeastOfAimed * aimed) before = time;
 		else break;
-		moveOn(0.5 * (before + present));
+		time = 0.5 * (before + present);
+		moveTo(time, X_WA, X_WB, contact, workspace);
 	}
-	if (contact.patchCount == 0) moveOn(present);
+	if (contact.patchCount == 0)
+	{
+		time = present;
+		moveTo(time, X_WA, X_WB, contact, workspace);
+	}
 	turnLevers(time, X_WA, X_WB, contact);
 }
 
@@ -143,8 +145,7 @@ bool btISTFirstTouch::moveDeeper(btISTContact& contact, double most, ist::QueryW
 		if ((apart && found) || known >= way * (1 - time / m_step)) break;
 		before = time;
 		time = std::min(time + m_step * std::max(known, kStride * thickness) / way, m_step);
-		moveTo(time, X_WA, X_WB, contact);
-		m_query.queryAt(contact, workspace);
+		moveTo(time, X_WA, X_WB, contact, workspace);
 		found = found || deepest(contact) > far;
 		++queries;
 	}
@@ -185,8 +186,7 @@ bool btISTFirstTouch::find(btISTContact& contact, ist::QueryWorkspace& workspace
 		if (known >= way * (1 - time / m_step)) break;
 		const double clear = std::max(known, kStride * thickness);
 		time = std::min(time + m_step * clear / way, m_step);
-		moveTo(time, X_WA, X_WB, contact);
-		m_query.queryAt(contact, workspace);
+		moveTo(time, X_WA, X_WB, contact, workspace);
 		++queries;
 		if (contact.patchCount == 0) continue;
 		approachDepth(kShallow * thickness, before, time, X_WA, X_WB, contact, workspace);

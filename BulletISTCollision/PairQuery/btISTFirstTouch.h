@@ -12,7 +12,7 @@ struct btISTBodyMotion
 	/// The motion if no contact holds the body: gravity and other forces of the step are included. `step` [s]. A body that the solver
 	/// cannot move, or that is no rigid body, keeps its velocity.
 	static btISTBodyMotion free(const btCollisionObject* object, double step);
-	/// The same body with another twist. Bullet turns no body by more than 45 degrees in a step.
+	/// Returns the motion with another twist. Bullet turns no body by more than 45 degrees in a step.
 	btISTBodyMotion with(const ist::Twist& other, double step) const;
 	/// Mass [kg]; infinite for a body that the solver cannot move, or that is no rigid body.
 	static double massOf(const btCollisionObject& object);
@@ -64,7 +64,8 @@ public:
 private:
 	double travel(const btISTContact& contact) const { return travel(contact, m_a, m_b, m_step); }
 	void turnLevers(double time, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact) const;
-	void moveTo(double time, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact) const;
+	/// Gives the contact the sums of the poses after this time [s].
+	void moveTo(double time, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact, ist::QueryWorkspace& workspace) const;
 	void approachDepth(double aimed, double before, double present, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact,
 		ist::QueryWorkspace& workspace) const;
 

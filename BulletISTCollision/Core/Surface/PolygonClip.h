@@ -24,7 +24,7 @@ void clipPolygon(std::span<const Vec3> polygon, const Function& function, const 
 	}
 }
 
-/// The same as a polygon of its own.
+/// Returns that part as a polygon of its own.
 template <class Function, class OnCut>
 std::vector<Vec3> clippedPolygon(const std::vector<Vec3>& polygon, const Function& function, const OnCut& onCut)
 {
