@@ -82,6 +82,20 @@ void keepNormal(btContactPatch& patch, double least)
 	reduce(patch.stiffness, std::max(along(patch.stiffness, n), least));
 	reduce(patch.damping, along(patch.damping, n));
 }
+
+/// Whether the stiffness of a contact was set, and its present sums push as a former patch did, along the same normal and as stiffly. The
+/// two together would be stiffer than what was set.
+bool replaces(const btISTContact& contact, const btContactPatch& former)
+{
+	constexpr double kSameDirection = 0.97;
+	if (contact.constants.load > 0) return false;
+	btContactPatch present;
+	for (int i = 0; i < contact.patchCount; ++i)
+		if (evaluateContactPatch(contact, i, present) && dot(present.normal, former.normal) > kSameDirection &&
+			along(present.stiffness, former.normal) >= along(former.stiffness, former.normal))
+			return true;
+	return false;
+}
 }  // namespace
 
 void btVolumetricIslands::keep(const btISTContact& contact)
@@ -89,7 +103,7 @@ void btVolumetricIslands::keep(const btISTContact& contact)
 	m_kept.erase(std::remove_if(m_kept.begin(), m_kept.end(), [&](const Entry& e) { return e.contact == &contact; }), m_kept.end());
 	for (Entry e : m_entries)
 	{
-		if (e.contact != &contact) continue;
+		if (e.contact != &contact || replaces(contact, e.patch)) continue;
 		keepNormal(e.patch, 0);
 		// A force that a way of the body's thickness would not change comes from beyond the other's middle.
 		if (dot(e.patch.wrench.force, e.patch.normal) > contact.thickness() * along(e.patch.stiffness, e.patch.normal)) continue;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Dispatch/btISTDeflectedPairs.h"
 
+#include "BulletISTCollision/Core/Force/RelativeMotion.h"
 #include "BulletISTCollision/Dispatch/btISTContext.h"
 #include "BulletISTCollision/PairQuery/btISTFirstTouch.h"
 
@@ -11,6 +12,8 @@ namespace
 /// Depth up to which a pose on the way gives the normal and the area of the contact, as a share of the thinner body's thickness. A pair
 /// whose touch is known is asked for as late a pose as this allows: what turns a body after the touch brings other places together.
 constexpr double kSound = 0.4;
+/// Error of a foretold force, as a share of it, up to which a solution stands.
+constexpr double kForetold = 0.3;
 
 /// The motion, and what it has more than the free one.
 struct Deflected
@@ -26,6 +29,18 @@ struct Deflected
 		change.twist = motion.twist - free;
 	}
 };
+
+/// Whether the stiffness of the contact was set, and its sums foretell those of the pose of `later` to first order, as the solver has
+/// supposed. The solution then is what was asked for, however deep.
+bool isForetold(const btISTContact& contact, const btISTContact& later)
+{
+	if (contact.patchCount == 0 || contact.constants.load > 0) return false;
+	ist::OverlapIntegrals total = contact.total;
+	ist::moveB(total, ist::motionOfB(contact.X_AB, later.X_AB, contact.treeA->origin));
+	const ist::PressurePair weights{1, contact.constants.weightA, contact.constants.weightB};
+	const ist::Vec3 force = ist::pressureWrench(later.total, weights).force;
+	return distance(ist::pressureWrench(total, weights).force, force) < kForetold * norm(force);
+}
 }  // namespace
 
 bool btISTDeflectedPairs::findDeeper(btISTContact& contact, const ist::Twist* motionA, const ist::Twist* motionB, double step)
@@ -47,9 +62,10 @@ bool btISTDeflectedPairs::findDeeper(btISTContact& contact, const ist::Twist* mo
 	if (contact.ahead > 0) query.queryAt(later, m_context.workspace);
 	const bool found = btISTFirstTouch(query, a.motion, b.motion, step)
 						   .moveDeeper(later, isKnown ? kSound : btISTFirstTouch::kShallow, m_context.workspace);
+	const bool isNews = found && !isForetold(contact, later);
 	if (later.touchMissed && !contact.touchMissed) m_context.store.countMissedTouch();
 	contact.touchMissed = later.touchMissed;
-	if (found)
+	if (isNews)
 	{
 		later.constants = m_context.rule->decide(later, later.bodyA, later.bodyB);
 		if (query.lacksDamping(later)) query.queryAt(later, m_context.workspace);
@@ -65,5 +81,5 @@ bool btISTDeflectedPairs::findDeeper(btISTContact& contact, const ist::Twist* mo
 	later.treeA.reset();
 	later.treeB.reset();
 	later.memory.reset();
-	return found;
+	return isNews;
 }
