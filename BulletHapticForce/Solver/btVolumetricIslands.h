@@ -139,10 +139,11 @@ private:
 	enum class Own
 	{
 		Contact,
-		ContactAfterOthers,  // the same, with the motion before that others gave (btISTContact::supposedA)
+		ContactAfterOthers,  // the same, with the motion before that all other contacts gave
 		All
 	};
 	void gatherEnergyTank(size_t first, int count, const btSolverBody* bodies, Own whose, btEnergyTankPatch* patches) const;
+	double shareOf(size_t first, int count, const btSolverBody* bodies, Own whose) const;
 	/// Calls `act` with the first entry of each contact of the island, and the number of its entries. They follow one another.
 	template <class Act> void forEachContact(const Island& island, const Act& act) const
 	{

@@ -53,7 +53,7 @@ std::vector<ist::Twist>& btVolumetricIslands::sumChanges(const btSolverBody* bod
 }
 
 /// Collects the patches of a contact, which are `count` entries from `first` on. Their `own` is what this contact has changed, or, if
-/// asked for, all contacts together. A contact that takes up what others have deflected begins with all that they give.
+/// asked for, all contacts together. `before` is the motion without any contact, or, if asked for, with all others.
 void btVolumetricIslands::gatherEnergyTank(size_t first, int count, const btSolverBody* bodies, Own whose, btEnergyTankPatch* patches) const
 {
 	const Entry& e = m_entries[first];
@@ -73,7 +73,7 @@ void btVolumetricIslands::gatherEnergyTank(size_t first, int count, const btSolv
 			for (size_t i = first; i < first + size_t(count); ++i)
 				own[side] = own[side] + response(rowBody(body), (side == 0 ? 1.0 : -1.0) * m_entries[i].impulse, m_entries[i].patch.point);
 		}
-	if (whose == Own::ContactAfterOthers && e.contact->supposesOthers())
+	if (whose == Own::ContactAfterOthers)
 		for (int side = 0; side < 2; ++side) before[side] = after[side] - own[side];
 	for (int i = 0; i < count; ++i)
 	{
@@ -96,8 +96,17 @@ void btVolumetricIslands::scale(Entry& e, double share, btSolverBody* bodies)
 	e.normalImpulse *= share;
 }
 
-/// Limits every contact of the island to its tank while the others stay as they are. That changes the work of the others, and contacts that
-/// follow on others are judged by the motion that these gave. So all together are then limited to the sum of their tanks.
+/// Largest share of a contact's impulses that returns no more than its tank holds.
+double btVolumetricIslands::shareOf(size_t first, int count, const btSolverBody* bodies, Own whose) const
+{
+	btEnergyTankPatch patches[btISTContact::kMaxPatches];
+	gatherEnergyTank(first, count, bodies, whose, patches);
+	return btContactEnergyTank::share(btContactEnergyTank::scaledWork(patches, count), m_entries[first].contact->tank.stored);
+}
+
+/// Limits every contact of the island to its tank while the others stay as they are. Others may press bodies together that part by
+/// themselves: their contact takes up what these give, and is judged by the motion that they leave. All this changes the work of the
+/// others, so all together are then limited to the sum of their tanks.
 void btVolumetricIslands::holdToEnergyTanks(const Island& island, btSolverBody* bodies)
 {
 	btEnergyTankPatch patches[btISTContact::kMaxPatches];
@@ -107,15 +116,14 @@ void btVolumetricIslands::holdToEnergyTanks(const Island& island, btSolverBody* 
 	double stored = 0;
 	bool held = false;
 	forEachContact(island, [&](size_t first, int count) {
-		gatherEnergyTank(first, count, bodies, Own::ContactAfterOthers, patches);
-		const btISTContactEnergyTank& tank = m_entries[first].contact->tank;
-		const double share = btContactEnergyTank::share(btContactEnergyTank::scaledWork(patches, count), tank.stored);
-		stored += tank.stored;
-		held = held || m_entries[first].contact->supposesOthers();
+		stored += m_entries[first].contact->tank.stored;
+		const double alone = shareOf(first, count, bodies, Own::Contact);
+		if (!(alone < 1)) return;
+		held = true;
+		const double share = std::max(alone, shareOf(first, count, bodies, Own::ContactAfterOthers));
 		if (!(share < 1)) return;
 		++m_statistics.contactsHeldToEnergyTank;
 		hold(first, count, share);
-		held = true;
 	});
 	if (!held) return;
 	btScaledWork all;
@@ -157,11 +165,10 @@ bool btVolumetricIslands::softenToEnergyTanks(const Island& island, const btSolv
 	for (const int body : m_passing.bodies) m_change[size_t(body)] = ist::Twist();
 	for (const int i : m_passing.entries) addChange(m_entries[size_t(i)], m_entries[size_t(i)].impulse, bodies);
 	bool softened = false;
-	btEnergyTankPatch patches[btISTContact::kMaxPatches];
 	forEachContact(island, [&](size_t first, int count) {
-		gatherEnergyTank(first, count, bodies, Own::ContactAfterOthers, patches);
-		const double stored = m_entries[first].contact->tank.stored;
-		const double share = btContactEnergyTank::share(btContactEnergyTank::scaledWork(patches, count), stored);
+		const double alone = shareOf(first, count, bodies, Own::Contact);
+		if (!(alone < kWorthSoftening)) return;
+		const double share = std::max(alone, shareOf(first, count, bodies, Own::ContactAfterOthers));
 		if (!(share < kWorthSoftening)) return;
 		for (size_t i = first; i < first + size_t(count); ++i) multiply(m_entries[i].patch, share);
 		softened = true;

@@ -182,3 +182,36 @@ TEST(Held, PairsOfBulletsMayBeginInTheFirstStep)
 	scene.run(0.1, 60);
 	for (const btRigidBody* body : row) EXPECT_LT(double(body->getLinearVelocity().length()), 1e-6);
 }
+
+// Two light cubes pull away from each other, and heavy ones press them together: their contact bears the difference. By themselves they would
+// part in every step, and a contact that is judged by that alone gives all its energy away. Equilibrium is the oracle.
+TEST(Held, WhatPartsByItselfIsPressedTogetherByOthers)
+{
+	constexpr double kPress = 20, kPull = 10, kStiffness = 1e6, kMass[4] = {10, 0.05, 0.05, 10};
+	for (const double rate : {60.0, 240.0})
+	{
+		Scene scene;
+		scene.world.setGravity(btVector3(0, 0, 0));
+		btCollisionShape* shape = scene.volumetricShape(cube());
+		std::vector<btRigidBody*> row;
+		for (int i = 0; i < 4; ++i)
+		{
+			row.push_back(scene.add(shape, kMass[i], kMass[i] / 6, at({1.001 * i, 0, 0})));
+			scene.setStiffness(row.back(), kStiffness);
+		}
+		for (int i = 0; i < int(3 * rate); ++i)
+		{
+			for (int side = 0; side < 2; ++side)
+			{
+				const double inward = side == 0 ? 1 : -1;
+				row[side == 0 ? 0 : 3]->applyCentralForce(vec(Vec3{inward * kPress, 0, 0}));
+				row[side == 0 ? 1 : 2]->applyCentralForce(vec(Vec3{-inward * kPull, 0, 0}));
+			}
+			scene.step(1 / rate);
+		}
+		const double depth = 1 - (vec(row[2]->getWorldTransform().getOrigin()) - vec(row[1]->getWorldTransform().getOrigin())).x;
+		const double aimed = (kPress - kPull) / (0.5 * kStiffness);
+		EXPECT_NEAR(depth, aimed, 0.02 * aimed + (kDouble ? 0 : 1e-6)) << rate;
+		EXPECT_LT(double(row[1]->getLinearVelocity().length()), 1e-4) << rate;
+	}
+}
