@@ -16,6 +16,7 @@ using namespace btSolverBodyMotion;
 namespace
 {
 constexpr double kCentralWay = 0.25;  // share of the thinner body that is left of a step after the first touch
+constexpr double kOfCentre = 0.5;     // share of the speed at a touch that the motion of the centre of mass must give
 constexpr int kMostSoftenings = 2;    // of contacts whose tanks hold less energy than they would return
 }  // namespace
 
@@ -259,20 +260,23 @@ void btVolumetricIslands::waitForTouch(const btSolverBody* bodies)
 		// If they resisted rotations, all of several could come to pull, and the bodies would pass through each other.
 		if (e.contact->deflected || e.contact->supposesOthers())
 			keepNormal(e.patch, norm(e.patch.wrench.force) / ist::meanDepth(e.contact->patches[e.patchIndex]));
-		const double left = (m_step - ahead) * -dot(freeTwist(e, bodies).linear, e.patch.normal);
-		if (left > kCentralWay * e.contact->thickness()) centre(e, bodies);
+		const double speed = -dot(freeTwist(e, bodies).linear, e.patch.normal);
+		if ((m_step - ahead) * speed > kCentralWay * e.contact->thickness()) centre(e, bodies, speed);
 		e.patch.wrench = e.patch.wrench + ahead * (e.patch.stiffness * freeTwist(e, bodies));
 	}
 }
 
 /// Lets a patch push on the centre of mass of the faster body. A body that is stopped at a corner would turn about it, and could go
-/// through the other in what is left of a long step.
-void btVolumetricIslands::centre(Entry& e, const btSolverBody* bodies)
+/// through the other in what is left of a long step. Where it is a spin that brings the bodies together, at `speed` [m/s], the patch stays.
+void btVolumetricIslands::centre(Entry& e, const btSolverBody* bodies, double speed)
 {
 	const ist::Twist a = twist(bodies[e.bodyA]), b = twist(bodies[e.bodyB]);
 	const btSolverBody& faster = bodies[squaredNorm(a.linear) < squaredNorm(b.linear) ? e.bodyB : e.bodyA];
 	const ist::Vec3 way = toVec3(faster.getWorldTransform().getOrigin()) - e.patch.point, &n = e.patch.normal;
-	e.patch.point = e.patch.point + way - dot(way, n) * n;
+	Entry centred = e;
+	centred.patch.point = e.patch.point + way - dot(way, n) * n;
+	if (-dot(freeTwist(centred, bodies).linear, n) < kOfCentre * speed) return;
+	e.patch.point = centred.patch.point;
 	e.patch.wrench.torque = {};
 	for (ist::SymmetricMatrix6* matrix : {&e.patch.stiffness, &e.patch.damping})
 		for (int i = 0; i < 6; ++i)

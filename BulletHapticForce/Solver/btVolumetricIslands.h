@@ -124,7 +124,7 @@ private:
 	void carryLoads(const btSolverBody* bodies);
 	void waitForTouch(const btSolverBody* bodies);
 	void leaveOutRolling(const btSolverBody* bodies);
-	static void centre(Entry& e, const btSolverBody* bodies);
+	static void centre(Entry& e, const btSolverBody* bodies, double speed);
 	void displaceByRounding(const btSolverBody* bodies);
 	void openEnergyTanks(const btSolverBody* bodies);
 	static bool fitsBlock(const Island& island);

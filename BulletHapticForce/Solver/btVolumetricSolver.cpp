@@ -15,7 +15,7 @@
 
 namespace
 {
-constexpr int kMostRepetitions = 3;  // of a solve, where it brings bodies deep into each other
+constexpr int kMostRepetitions = 8;  // of a solve, where it brings bodies deep into each other
 
 bool isRigid(const btCollisionObject* object)
 {

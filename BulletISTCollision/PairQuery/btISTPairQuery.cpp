@@ -119,9 +119,10 @@ void btISTPairQuery::take(btISTContact& contact, const ist::OverlapResult& resul
 	contact.status = result.status;
 	contact.level = result.level;
 	contact.leafDensity = contact.treeB ? ist::leafDensity(result, *contact.treeA, *contact.treeB) : ist::leafDensity(*contact.treeA);
-	const bool good = result.status == ist::QueryStatus::Ok;
-	contact.total = good ? result.total : ist::OverlapIntegrals();
-	contact.patchCount = good ? std::min(result.patchCount, btISTContact::kMaxPatches) : 0;
+	// Bodies that only graze may have patches without volume: those press on nothing.
+	const bool overlap = result.status == ist::QueryStatus::Ok && result.total.volume > 0;
+	contact.total = overlap ? result.total : ist::OverlapIntegrals();
+	contact.patchCount = overlap ? std::min(result.patchCount, btISTContact::kMaxPatches) : 0;
 	std::copy(result.patches, result.patches + contact.patchCount, contact.patches);
 }
 

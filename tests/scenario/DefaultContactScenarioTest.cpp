@@ -345,6 +345,58 @@ TEST(DefaultContact, RingsThatArePouredIntoABinComeToRest)
 		}
 }
 
+// Bodies of eight kinds, thin and pointed ones among them, that fall upon each other at up to 8 m/s. Impacts may be deep for a moment, but
+// all stay in the bin, and none stays caught in another one.
+TEST(DefaultContact, MixedBodiesThatArePouredIntoABinStayApart)
+{
+	const Solid kinds[] = {{ist::makeBoxMesh({.04, .03, .02}), 500}, {ist::makeCylinderMesh(.02, .06), 500},
+		{ist::makeConeMesh(.04, .08), 500}, {ist::makeCapsuleMesh(.02, .04), 500}, {ist::makeTetrahedronMesh(.1), 500},
+		{ist::makeBoxMesh({.08, .006, .02}), 500}, {ist::makeTorusMesh(.04, .01, 48, 24), 500}, {ist::makeSphereMesh(.03), 500}};
+	for (int seed = 0; seed < 3; ++seed)
+	{
+		std::mt19937 random{unsigned(seed)};
+		std::uniform_real_distribution<double> u(-1, 1);
+		Scene scene;
+		scene.world.setGravity(btVector3(0, btScalar(-kGravity), 0));
+		scene.addFloor();
+		for (int side = -1; side <= 1; side += 2)
+		{
+			scene.add(scene.shape<btBoxShape>(btVector3(btScalar(.05), btScalar(2.5), btScalar(.3))), 0, 0, at({.2 * side, 2.5, 0}));
+			scene.add(scene.shape<btBoxShape>(btVector3(btScalar(.3), btScalar(2.5), btScalar(.05))), 0, 0, at({0, 2.5, .2 * side}));
+		}
+		std::vector<btCollisionShape*> shapes;
+		for (const Solid& kind : kinds) shapes.push_back(scene.volumetricShape(kind));
+		std::vector<btRigidBody*> bodies;
+		for (int i = 0; i < 16; ++i)
+		{
+			const ist::InnerSphereTree& tree = *kinds[i % 8].tree;
+			const double mass = 1000 * tree.volume, inertia = 1000. / 3 * (tree.inertia.m[0][0] + tree.inertia.m[1][1] + tree.inertia.m[2][2]);
+			const double x = u(random), z = u(random), a = u(random), b = u(random), c = u(random);
+			bodies.push_back(
+				scene.add(shapes[size_t(i % 8)], mass, inertia, at({.05 * x, .15 + .2 * i, .05 * z}, {3 * a, 3 * b, 3 * c})));
+		}
+		int deep = 0;
+		const auto countDeep = [&] {
+			int count = 0;
+			for (const btISTContact* contact : scene.world.contacts().contacts())
+				count += contact->patchCount > 0 && !(contact->ahead > 0) && contact->isDeep();
+			return count;
+		};
+		for (int step = 0; step < 3 * 60; ++step)
+		{
+			scene.step(1. / 60);
+			deep += countDeep();
+		}
+		EXPECT_LT(deep, 80) << seed;
+		EXPECT_EQ(countDeep(), 0) << seed;
+		for (const btRigidBody* body : bodies)
+		{
+			const Vec3 p = vec(body->getWorldTransform().getOrigin());
+			EXPECT_TRUE(p.y > 0 && std::fabs(p.x) < .15 && std::fabs(p.z) < .15) << seed;
+		}
+	}
+}
+
 // Fixed pads hold a ball in the ground. What it presses there is not a load that a larger stiffness would lift.
 TEST(DefaultContact, WhatIsClampedDoesNotPressMoreAndMore)
 {
