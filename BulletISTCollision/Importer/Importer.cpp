@@ -20,7 +20,7 @@ namespace
 {
 /// Processor time that reading a file may take [s], and more of it for each byte. Assimp's own test files take at most 0.43 s, and a
 /// megabyte takes less than a second.
-constexpr double kSeconds = 20, kSecondsOfByte = 1e-5;
+constexpr double kSeconds = 10, kSecondsOfByte = 1e-5;
 /// Memory that reading a file may take [bytes], and more of it for each byte, which may be compressed. Assimp's own test files take at most
 /// 108 MB: a file of 86 kB that states a subdivision.
 constexpr double kBytes = 1e9, kBytesOfByte = 1000;
