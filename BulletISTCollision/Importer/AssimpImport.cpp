@@ -24,6 +24,7 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <set>
 #include <span>
 #include <stdexcept>
 #include <string_view>
@@ -86,10 +87,13 @@ class ProgressFiles : public Assimp::DefaultIOSystem
 {
 public:
 	/// `content`, if present, replaces that of the file at `path`; it must outlive this object.
-	ProgressFiles(ImportProgress& importProgress, const std::string& path, const std::optional<std::string>& content)
+	ProgressFiles(
+		ImportProgress& importProgress, const std::string& path, const std::optional<std::string>& content, const FileOpened& opened)
 		: m_progress(importProgress),
 		  m_path(path),
-		  m_content(content)
+		  m_content(content),
+		  m_opened(opened),
+		  m_known{path}
 	{}
 	Assimp::IOStream* Open(const char* file, const char* mode) override
 	{
@@ -97,7 +101,9 @@ public:
 		Assimp::IOStream* stream = isReplaced
 			? new Assimp::MemoryIOStream(reinterpret_cast<const uint8_t*>(m_content->data()), m_content->size())
 			: DefaultIOSystem::Open(file, mode);
-		return stream ? new ProgressStream(stream, m_progress) : nullptr;
+		if (!stream) return nullptr;
+		if (m_opened && m_known.insert(file).second) m_opened(static_cast<double>(stream->FileSize()));
+		return new ProgressStream(stream, m_progress);
 	}
 	void Close(Assimp::IOStream* stream) override { delete stream; }
 
@@ -105,6 +111,8 @@ private:
 	ImportProgress& m_progress;
 	const std::string& m_path;
 	const std::optional<std::string>& m_content;
+	const FileOpened& m_opened;
+	std::set<std::string> m_known;  ///< files whose size was told
 };
 
 double blur(const aiMesh& part)
@@ -269,6 +277,22 @@ std::optional<Error> checkPlaces(const TexturedMesh& textured, const aiScene& sc
 	return notFinitePlace(textured, path);
 }
 
+/// Throws std::bad_alloc if that is why assimp read no scene.
+void throwIfOutOfMemory(const Assimp::Importer& importer)
+{
+	if (!importer.GetException()) return;
+	try
+	{
+		std::rethrow_exception(importer.GetException());
+	}
+	catch (const std::bad_alloc&)
+	{
+		throw;
+	}
+	catch (...)
+	{}  // reasonOf() has its message
+}
+
 /// Assimp's error message without the full stop.
 std::string reasonOf(const Assimp::Importer& importer)
 {
@@ -291,7 +315,8 @@ std::optional<std::string> unitOfFbx(const aiScene& scene, const Assimp::Importe
 		"are not.";
 }
 
-Result<TexturedMesh> read(const std::string& path, const std::optional<double>& given, Wanted wanted, ImportProgress& importProgress)
+Result<TexturedMesh> read(
+	const std::string& path, const std::optional<double>& given, Wanted wanted, ImportProgress& importProgress, const FileOpened& opened)
 {
 	const Result<MeshFileHead> head = readMeshFileHead(path);
 	if (!head) return head.error();
@@ -300,13 +325,14 @@ Result<TexturedMesh> read(const std::string& path, const std::optional<double>& 
 	Assimp::Importer importer;
 	// Otherwise the reader would turn the file's up axis to y, and a COLLADA file would lie across its own STL twin.
 	importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
-	importer.SetIOHandler(new ProgressFiles(importProgress, path, head.value().content));
+	importer.SetIOHandler(new ProgressFiles(importProgress, path, head.value().content, opened));
 	const MeshReaderWarnings warnings;
 	const aiScene* scene = importer.ReadFile(path, 0);
 	const LeftOut leftOut = scene ? removeInvalidFaces(*scene) : LeftOut();
 	if (const auto sentence = leftOut.tooDamaged()) return Error{path + ": " + *sentence};
 	if (scene) scene = importer.ApplyPostProcessing(aiProcess_Triangulate);
 	if (importProgress.cancelled()) return importCancelled();
+	if (!scene) throwIfOutOfMemory(importer);
 	if (!scene || !scene->mRootNode)
 		return Error{"cannot read " + path + ": " + reasonOf(importer) +
 			"; the file may be cut short, of a format that assimp does not know, or of another one than its name ends with: export it "
@@ -327,12 +353,13 @@ Result<TexturedMesh> read(const std::string& path, const std::optional<double>& 
 }
 }  // namespace
 
-Result<TexturedMesh> importByAssimp(const std::string& path, std::optional<double> unit, Wanted wanted, const Progress& progress)
+Result<TexturedMesh> importByAssimp(
+	const std::string& path, std::optional<double> unit, Wanted wanted, const Progress& progress, const FileOpened& opened)
 {
 	ImportProgress importProgress(progress);
 	try
 	{
-		return read(path, unit, wanted, importProgress);
+		return read(path, unit, wanted, importProgress, opened);
 	}
 	catch (const std::bad_alloc&)
 	{

@@ -18,10 +18,12 @@ namespace ist
 {
 namespace
 {
-/// Share of the machine's memory that reading a file may take.
-constexpr double kMemoryShare = 0.75;
-/// Processor time that reading a file may take [s], and more of it for each byte: assimp reads a megabyte in less than a second.
-constexpr double kSeconds = 60, kSecondsOfByte = 1e-5;
+/// Processor time that reading a file may take [s], and more of it for each byte. Assimp's own test files take at most 0.43 s, and a
+/// megabyte takes less than a second.
+constexpr double kSeconds = 10, kSecondsOfByte = 1e-5;
+/// Memory that reading a file may take [bytes], and more of it for each byte, which may be compressed. Assimp's own test files take at most
+/// 108 MB: a file of 86 kB that states a subdivision.
+constexpr double kBytes = 1e9, kBytesOfByte = 1000;
 
 std::optional<double> numberOf(const std::string& text)
 {
@@ -32,20 +34,44 @@ std::optional<double> numberOf(const std::string& text)
 	return value;
 }
 
-double secondsFor(const std::string& path)
+/// A positive number in a variable of the environment.
+std::optional<double> givenBy(const char* variable)
 {
-	const std::optional<std::string> given = environmentValue("BULLETHAPTICS_IMPORT_SECONDS");
-	if (const std::optional<double> seconds = given ? numberOf(*given) : std::nullopt; seconds && *seconds > 0) return *seconds;
-	std::error_code failure;
-	const std::uintmax_t size = std::filesystem::file_size(systemPath(path), failure);
-	return failure ? kSeconds : kSeconds + kSecondsOfByte * static_cast<double>(size);
+	const std::optional<std::string> text = environmentValue(variable);
+	const std::optional<double> value = text ? numberOf(*text) : std::nullopt;
+	return value && *value > 0 ? value : std::nullopt;
 }
+
+/// The limits of this process, which grow with the files that it reads.
+class Allowance
+{
+public:
+	explicit Allowance(const std::string& path)
+	{
+		std::error_code failure;
+		const std::uintmax_t size = std::filesystem::file_size(systemPath(path), failure);
+		add(failure ? 0 : static_cast<double>(size));
+	}
+	void add(double bytes)
+	{
+		m_files += bytes;
+		limitProcess(
+			m_seconds.value_or(kSeconds + kSecondsOfByte * m_files), m_megabytes ? 1e6 * *m_megabytes : kBytes + kBytesOfByte * m_files);
+	}
+
+private:
+	const std::optional<double> m_seconds = givenBy("BULLETHAPTICS_IMPORT_SECONDS"),
+								m_megabytes = givenBy("BULLETHAPTICS_IMPORT_MEGABYTES");
+	double m_files = 0;  ///< size of the files [bytes]
+};
 
 bool readAndSend(const std::string& path, std::optional<double> unit, Wanted wanted, const MeshReader& read, ImportPipe& pipe)
 try
 {
+	Allowance allowance(path);
 	const Result<TexturedMesh> textured = read(
-		path, unit, wanted, [&](const char*, double fraction) { return pipe.sendFraction(fraction); });
+		path, unit, wanted, [&](const char*, double fraction) { return pipe.sendFraction(fraction); },
+		[&](double bytes) { allowance.add(bytes); });
 	return textured ? pipe.sendSurface(textured.value()) : pipe.sendFailure(textured.error().message);
 }
 catch (const std::bad_alloc&)
@@ -67,7 +93,7 @@ int runImporter(int argc, char** argv, const MeshReader& read)
 		return 2;
 	}
 	const std::string path = arguments[4];
-	limitProcess(secondsFor(path), kMemoryShare);
+	isolateProcess();
 	PipeEnd output;
 	output.useStandardOutput();
 	ImportPipe pipe(output);

@@ -349,6 +349,8 @@ int runQuery(const QueryArguments& a)
 	if (!A) return fail(A.error().message);
 	Result<InnerSphereTree> B = a.fileA == a.fileB ? A : loadTree(a.fileB);
 	if (!B) return fail(B.error().message);
+	if (a.pose.empty() && a.poses.empty())
+		return fail("a query needs the pose of B in A's mesh frame: --pose tx,ty,tz,qx,qy,qz,qw, or --poses and a CSV file", kUsage);
 	Result<std::vector<Row>> rows = readRows(a);
 	if (!rows) return fail(rows.error().message);
 	Batch(a, std::move(A).value(), std::move(B).value()).run(rows.value());

@@ -17,7 +17,9 @@ bool ImportProgress::reach(double fraction)
 
 Error takesTooMuchMemory(const std::string& path)
 {
-	return {path + ": reading it takes more memory than this machine has to spare; it is damaged, or too large: export it again"};
+	return {path +
+		": reading it takes far more memory than a file of its size needs, or than this machine has to spare; it is damaged: export it "
+		"again, or set BULLETHAPTICS_IMPORT_MEGABYTES to the memory that it may take"};
 }
 
 double blur(const Box& box)

@@ -25,10 +25,11 @@ namespace ist
 /// single precision, in which assimp reads them, blurs the shape.
 ///
 /// Assimp runs in a process of its own, the installed program bullethaptics-import, because it may crash on damaged files. A file that ends
-/// that process, or that takes more than three quarters of the machine's memory or too much processor time, is an error. So is a missing
-/// program; the error names it. It is looked for beside the library, in the installation that the program was linked with, and at the
-/// path in the environment variable BULLETHAPTICS_IMPORT, which takes precedence. BULLETHAPTICS_IMPORT_SECONDS replaces the limit of the
-/// processor time [s]: a minute, and ten seconds for each megabyte of the file.
+/// that process, or that takes too much memory or processor time, is an error. So is a missing program; the error names it. It is looked
+/// for beside the library, in the installation that the program was linked with, and at the path in the environment variable
+/// BULLETHAPTICS_IMPORT, which takes precedence. BULLETHAPTICS_IMPORT_SECONDS replaces the limit of the processor time [s]: 10, and 10 for
+/// each megabyte of the file. BULLETHAPTICS_IMPORT_MEGABYTES replaces that of the memory: 1 GB and 1000 times the size of the file.
+/// Memory is limited to three quarters of the machine's in any case.
 ///
 /// Progress stage "import": the share of the file's bytes that were read, then of the parts that were taken. Cancelling takes effect within
 /// 0.1 s. The result does not depend on the program's locale.

@@ -6,6 +6,7 @@
 #include "BulletISTCollision/Core/Mesh/MeshEdges.h"
 #include "BulletISTCollision/Core/Repair/MeshCuts.h"
 #include "BulletISTCollision/Core/Repair/MeshHoles.h"
+#include "BulletISTCollision/Core/Repair/MeshJunctions.h"
 #include "BulletISTCollision/Core/Repair/MeshOrientation.h"
 #include "BulletISTCollision/Core/Repair/MeshProbes.h"
 #include "BulletISTCollision/Core/Repair/MeshShells.h"
@@ -231,12 +232,24 @@ void weldSeams(Attempt& attempt, OppositePairs policy)
 	attempt.doubt += all.doubt;
 }
 
-/// Applies all repairs that need no new triangles.
+void divideSeams(Attempt& attempt, OppositePairs policy)
+{
+	const DividedEdges divided = divideOpenEdges(
+		attempt.mesh, std::max(kNearlyEqual * bounds(attempt.mesh).longestSide(), weldingTolerance(attempt.mesh)));
+	if (!divided.count) return;
+	attempt.actions.push_back("Divided " + counted(divided.count, "open edge", "open edges") + " at vertices that lie on " +
+		(divided.count > 1 ? "them." : "it."));
+	attempt.doubt += divided.doubt;
+	clean(attempt, policy);
+}
+
+/// Applies all repairs that need no new surface.
 Attempt cleaned(const Mesh& welded, OppositePairs policy)
 {
 	Attempt attempt{welded, {}, {}, 0};
 	clean(attempt, policy);
 	weldSeams(attempt, policy);
+	divideSeams(attempt, policy);
 	attempt.note(
 		orientConsistently(attempt.mesh), "Turned", "triangle to agree with its neighbours", "triangles to agree with their neighbours");
 	attempt.state = closedness(attempt.mesh);

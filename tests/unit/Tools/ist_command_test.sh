@@ -71,6 +71,8 @@ expect help 0 "$ist" build --help
 expect "no command" 2 "$ist"
 expect "unknown command" 2 "$ist" biuld "$dir/cube.obj"
 says "unknown command" 'there is no command "biuld"; the nearest is "build"'
+expect "no command is near" 2 "$ist" frobnicate
+says "no command is near" 'there is no command "frobnicate"; all are: build, info, check'
 
 expect build 0 "$ist" build "$dir/cube.obj" -o "$cube" --spheres 300 --json
 holds build 'r["schema"] == 1 and r["spheres"] == 300 and r["leaves"] >= 300 and near(r["volume"], 1) and near(r["area"], 6)'
@@ -87,6 +89,10 @@ expect "export both to standard output" 1 "$ist" export "$cube" --spheres - --le
 [ ! -e ./- ] || { echo "FAILED: a file named -"; failures=$((failures + 1)); }
 expect "query of a mesh" 1 "$ist" query "$dir/cube.obj" "$cube" --pose 0,0,0,0,0,0,1
 says "query of a mesh" "make a tree of it: ist build $dir/cube.obj -o cube.ist"
+expect "query of meshes without a pose" 1 "$ist" query "$dir/cube.obj" "$dir/cube.obj"
+says "query of meshes without a pose" "make a tree of it: ist build $dir/cube.obj -o cube.ist"
+expect "query without a pose" 2 "$ist" query "$cube" "$cube"
+says "query without a pose" "a query needs the pose of B in A's mesh frame: --pose"
 expect "text of info" 0 "$ist" info "$cube"
 grep -q '^volume  *1 m^3$' "$dir/out" || { echo "FAILED text of info"; failures=$((failures + 1)); }
 expect "build by many threads" 0 "$ist" build "$dir/cube.obj" -o "$dir/many.ist" --spheres 300 --threads 64 --json

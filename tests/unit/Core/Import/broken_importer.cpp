@@ -30,10 +30,24 @@ template <class... Numbers> [[noreturn]] void answerBy(Numbers... numbers)
 	std::_Exit(output.send(bytes.data(), bytes.size()) ? 0 : 1);
 }
 
-Result<TexturedMesh> misread(const std::string& path, std::optional<double>, Wanted, const Progress&)
+/// Allocates as many megabytes for a moment. Throws std::bad_alloc if they are too many.
+void allocate(double megabytes)
+{
+	std::vector<std::unique_ptr<char[]>> all;
+	for (double i = 0; i < megabytes; ++i) all.emplace_back(new char[1000000]);
+}
+
+Result<TexturedMesh> misread(const std::string& path, std::optional<double>, Wanted, const Progress&, const FileOpened& opened)
 {
 	std::string word;
-	std::ifstream(path) >> word;
+	std::ifstream text(path);
+	text >> word;
+	double megabytes = 0, bytesBeside = 0;
+	if (word == "use" && text >> megabytes >> bytesBeside)
+	{
+		opened(bytesBeside);
+		allocate(megabytes);
+	}
 	if (word == "abort") std::abort();
 	if (word == "segment") std::raise(SIGSEGV);
 	if (word == "exit") std::exit(0);

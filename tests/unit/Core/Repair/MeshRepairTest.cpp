@@ -2,6 +2,8 @@
 #include "BulletISTCollision/Core/Repair/MeshProbes.h"
 #include "tests/unit/Core/Repair/RepairChecks.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <random>
 
@@ -22,7 +24,78 @@ Mesh soup(const Mesh& mesh)
 	return result;
 }
 
+/// The cube [-1, 1]^3 from faces that know nothing of each other: half of them are two triangles, and the others fans about their middle,
+/// with vertices of their own on their edges. So many vertices of one face lie on an edge of its neighbour.
+Mesh cubeWithJunctions(std::mt19937& random)
+{
+	Mesh cube;
+	std::uniform_real_distribution<double> along(-0.9, 0.9);
+	for (int face = 0; face < 6; ++face)
+	{
+		const int axis = face / 2;
+		const double side = face % 2 ? 1 : -1;
+		const auto corner = [&](double u, double v) {
+			Vec3 p;
+			p[axis] = side;
+			p[(axis + 1) % 3] = side * u;  // counter-clockwise seen from outside
+			p[(axis + 2) % 3] = v;
+			cube.vertices.push_back(p);
+			return static_cast<uint32_t>(cube.vertices.size() - 1);
+		};
+		std::vector<uint32_t> rim;
+		const double corners[5][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}, {-1, -1}};
+		const bool isFan = random() % 2 != 0;
+		for (int k = 0; k < 4; ++k)
+		{
+			rim.push_back(corner(corners[k][0], corners[k][1]));
+			std::vector<double> shares;
+			for (unsigned i = isFan ? random() % 4 : 0; i > 0; --i) shares.push_back(0.5 + 0.5 * along(random));
+			std::sort(shares.begin(), shares.end());
+			for (const double s : shares)
+				rim.push_back(corner((1 - s) * corners[k][0] + s * corners[k + 1][0], (1 - s) * corners[k][1] + s * corners[k + 1][1]));
+		}
+		const uint32_t middle = isFan ? corner(0, 0) : rim[0];
+		for (std::size_t k = isFan ? 0 : 1; k + (isFan ? 0 : 1) < rim.size(); ++k)
+			cube.triangles.push_back({rim[k], rim[(k + 1) % rim.size()], middle});
+	}
+	return cube;
+}
 }  // namespace
+
+TEST(MeshRepair, FacesWithVerticesOnTheEdgesOfTheirNeighboursAreNoHoles)
+{
+	std::mt19937 random(3);
+	for (int run = 0; run < 40; ++run)
+	{
+		Mesh mesh = cubeWithJunctions(random);
+		std::uniform_real_distribution<double> turn(-2, 2);
+		const Pose X{rotationMatrix(quaternionFromRotationVector({turn(random), turn(random), turn(random)})),
+			{run % 4 == 3 ? 1000.0 : 0.5, -0.3, 0.2}};
+		for (Vec3& v : mesh.vertices) v = X * v;
+		const Result<RepairedMesh> repaired = repair(mesh);
+		ASSERT_TRUE(repaired) << repaired.error().message;
+		EXPECT_TRUE(inspect(repaired.value().mesh).watertight);
+		EXPECT_NEAR(repaired.value().volumeAfter, 8, 1e-7);
+		EXPECT_LT(repaired.value().volumeDoubt, 1e-7) << "in run " << run;
+		for (const std::string& action : repaired.value().actions) EXPECT_EQ(action.find("Closed"), std::string::npos) << action;
+	}
+}
+
+TEST(MeshRepair, AHoleBesideJunctionsIsStillAHole)
+{
+	std::mt19937 random(4);
+	for (int run = 0; run < 10; ++run)
+	{
+		Mesh mesh = cubeWithJunctions(random);
+		std::erase_if(mesh.triangles,
+			[&](const auto& t) { return mesh.vertices[t[0]].z == 1 && mesh.vertices[t[1]].z == 1 && mesh.vertices[t[2]].z == 1; });
+		const Result<RepairedMesh> repaired = repair(mesh);
+		ASSERT_TRUE(repaired) << repaired.error().message;
+		EXPECT_NEAR(repaired.value().volumeAfter, 8, 1e-7);
+		// A quarter of the cap's area times the diagonal of the lid.
+		EXPECT_NEAR(repaired.value().volumeDoubt, 4 * std::sqrt(8.0) / 4, 1e-6);
+	}
+}
 
 TEST(MeshRepair, AClosedMeshComesBackUnchanged)
 {
