@@ -111,7 +111,7 @@ void btVolumetricIslands::holdToEnergyTanks(const Island& island, btSolverBody* 
 {
 	btEnergyTankPatch patches[btISTContact::kMaxPatches];
 	const auto hold = [&](size_t first, int count, double share) {
-		for (size_t i = first; i < first + size_t(count); ++i) scale(m_entries[i], share, bodies);
+		for (int i = 0; i < count; ++i) scale(m_entries[first + size_t(i)], share, bodies);
 	};
 	double stored = 0;
 	bool held = false;
