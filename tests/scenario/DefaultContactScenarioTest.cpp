@@ -370,10 +370,10 @@ TEST(DefaultContact, MixedBodiesThatArePouredIntoABinStayApart)
 		for (int i = 0; i < 16; ++i)
 		{
 			const ist::InnerSphereTree& tree = *kinds[i % 8].tree;
-			const double mass = 1000 * tree.volume, inertia = 1000. / 3 * (tree.inertia.m[0][0] + tree.inertia.m[1][1] + tree.inertia.m[2][2]);
+			const double mass = 1000 * tree.volume,
+						 inertia = 1000. / 3 * (tree.inertia.m[0][0] + tree.inertia.m[1][1] + tree.inertia.m[2][2]);
 			const double x = u(random), z = u(random), a = u(random), b = u(random), c = u(random);
-			bodies.push_back(
-				scene.add(shapes[size_t(i % 8)], mass, inertia, at({.05 * x, .15 + .2 * i, .05 * z}, {3 * a, 3 * b, 3 * c})));
+			bodies.push_back(scene.add(shapes[size_t(i % 8)], mass, inertia, at({.05 * x, .15 + .2 * i, .05 * z}, {3 * a, 3 * b, 3 * c})));
 		}
 		int deep = 0;
 		const auto countDeep = [&] {

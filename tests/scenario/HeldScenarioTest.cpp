@@ -183,8 +183,8 @@ TEST(Held, PairsOfBulletsMayBeginInTheFirstStep)
 	for (const btRigidBody* body : row) EXPECT_LT(double(body->getLinearVelocity().length()), 1e-6);
 }
 
-// Two light cubes pull away from each other, and heavy ones press them together: their contact bears the difference. By themselves they would
-// part in every step, and a contact that is judged by that alone gives all its energy away. Equilibrium is the oracle.
+// Two light cubes pull away from each other, and heavy ones press them together: their contact bears the difference. By themselves they
+// would part in every step, and a contact that is judged by that alone gives all its energy away. Equilibrium is the oracle.
 TEST(Held, WhatPartsByItselfIsPressedTogetherByOthers)
 {
 	constexpr double kPress = 20, kPull = 10, kStiffness = 1e6, kMass[4] = {10, 0.05, 0.05, 10};
