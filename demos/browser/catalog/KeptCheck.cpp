@@ -33,7 +33,7 @@ void KeptCheck::look(btISTWorld& world)
 		const OverlapResult truth = askAgain(*contact, m_workspace);
 		if (contact->patchCount == 0)
 		{
-			missed += truth.total.pairs > 0;
+			missed += truth.total.volume > 0;
 			continue;
 		}
 		const btISTPairConstants& c = contact->constants;

@@ -20,7 +20,7 @@ public:
 	/// Number of cached results of pairs that have not moved and that differ from the query in any bit. Counted only where the cache
 	/// keeps exact answers alone.
 	long long changed = 0;
-	/// Number of pairs that the cache took for separate although they touch.
+	/// Number of pairs that the cache took for separate although they share a volume.
 	long long missed = 0;
 	long long kept = 0;
 
