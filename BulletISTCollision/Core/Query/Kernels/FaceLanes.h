@@ -19,8 +19,9 @@ constexpr float kExactMisfit = 1e-4f;
 /// The zero level is taken as a parabola while the depth bends by less than this share of its largest value. With more, it may cross an
 /// edge twice, and most of a shallow contact would be lost.
 constexpr float kMostBend = 0.5f;
-/// A smaller share of an element counts as nothing: rounding would decide where its center is.
-constexpr float kLeastShare = 1e-5f;
+/// A smaller share of an element counts as nothing. The corner of another body that just touches a large face is a millionth of it; below
+/// this, as wide as the rounding of coordinates, rounding would decide where its center is.
+constexpr float kLeastShare = 1e-12f;
 
 constexpr int kNodesPerVisit = 4, kNodeStack = 1024, kWaiting = 128;
 static_assert(kNodesPerVisit * 4 == kFaceBatch);

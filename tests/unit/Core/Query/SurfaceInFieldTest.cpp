@@ -127,6 +127,35 @@ TEST(SurfaceInField, FlatFaceOnAHalfSpaceIsExact)
 			}
 }
 
+/// Contact of a corner covers next to nothing of the elements around it, which are as large as the faces of the bodies.
+TEST(SurfaceInField, ACornerThatHardlyReachesInHasItsVolume)
+{
+	static const InnerSphereTree slab = treeOfMesh(makeBoxMesh({0.5, 0.05, 0.5}));
+	QueryWorkspace workspace;
+	std::mt19937 random(6);
+	std::uniform_real_distribution<double> place(-0.3, 0.3);
+	for (int i = 0; i < 100; ++i)
+		for (const double depth : {5e-6, 2e-5, 1e-4, 5e-4})
+		{
+			const Mat3 R = randomTurn(random);
+			const Vec3 up = transpose(R) * Vec3{0, 1, 0};
+			const Vec3 corner = kPlace - Vec3{std::copysign(kHalf.x, up.x), std::copysign(kHalf.y, up.y), std::copysign(kHalf.z, up.z)};
+			const double slopes = std::fabs(up.x * up.y * up.z), least = std::min({std::fabs(up.x), std::fabs(up.y), std::fabs(up.z)});
+			if (depth > 0.05 * least) continue;  // the edges at the corner must end above the plane
+			const double volume = depth * depth * depth / (6 * slopes), area = 0.5 * depth * depth / slopes;
+
+			const OverlapResult onPlane = queryField(brick(), HalfSpaceField(up, dot(up, corner) + depth), {}, workspace);
+			EXPECT_NEAR(onPlane.total.volume, volume, 0.02 * volume) << depth;
+			EXPECT_LT(norm(onPlane.total.normalB.force - volume * up), 0.02 * volume) << depth;
+			EXPECT_LT(norm(onPlane.total.areaVector - area * up), 0.02 * area) << depth;
+
+			const Pose X_WA{R, Vec3{place(random), 0.05 - depth, place(random)} - R * corner};
+			const OverlapResult onSlab = queryOverlap(brick(), slab, inverse(X_WA), workspace);
+			EXPECT_NEAR(onSlab.total.volume, volume, 0.15 * volume) << depth;
+			EXPECT_LT(norm(onSlab.total.areaVector - area * up), 0.15 * area) << depth;
+		}
+}
+
 TEST(SurfaceInField, BrickInAHalfSpaceAgreesWithExactClipping)
 {
 	QueryWorkspace workspace;
