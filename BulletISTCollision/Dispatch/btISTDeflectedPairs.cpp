@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Dispatch/btISTContext.h"
 #include "BulletISTCollision/PairQuery/btISTFirstTouch.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace
@@ -12,6 +13,7 @@ namespace
 /// Depth up to which a pose on the way gives the normal and the area of the contact, as a share of the thinner body's thickness. A pair
 /// whose touch is known is asked for as late a pose as this allows: what turns a body after the touch brings other places together.
 constexpr double kSound = 0.4;
+constexpr double kCorner = 3;  // largest depth of a corner over its mean depth
 /// Error of a foretold force, as a share of it, up to which a solution stands.
 constexpr double kForetold = 0.3;
 
@@ -46,7 +48,9 @@ bool isForetold(const btISTContact& contact, const btISTContact& later)
 bool btISTDeflectedPairs::findDeeper(btISTContact& contact, const ist::Twist* motionA, const ist::Twist* motionB, double step)
 {
 	const Deflected a(contact.bodyA, motionA, step), b(contact.bodyB, motionB, step);
-	const double least = btISTFirstTouch::kWorthLooking * contact.thickness();
+	// No place comes deeper than the deepest one is and bodies move. That is no deeper than three mean depths, which it is at a corner.
+	const double least = std::max(btISTFirstTouch::kWorthLooking * contact.thickness(),
+		btISTFirstTouch::kShallow * contact.thickness() - kCorner * btISTFirstTouch::meanDepthOf(contact));
 	const double way = btISTFirstTouch::travel(contact, a.motion, b.motion, step);
 	if (!(way > least) || !std::isfinite(way)) return false;
 	const bool isKnown = contact.patchCount > 0;

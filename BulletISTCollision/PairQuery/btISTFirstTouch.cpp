@@ -20,19 +20,31 @@ constexpr double kStride = 0.5;               // largest motion between two quer
 constexpr double kLeastOfAimed = 0.3;         // of an aimed depth: the area of a slighter touch says little
 constexpr int kMostHalvings = 10;
 
-double deepest(const btISTContact& contact)
-{
-	double depth = 0;
-	for (int i = 0; i < contact.patchCount; ++i) depth = std::max(depth, ist::meanDepth(contact.patches[i]));
-	return depth;
-}
-
 ist::Pose poseOfB(const btISTContact& contact) { return contact.X_WA * contact.X_AB; }
 
-/// Radius of a ball about the centre of rotation that contains the tree [m].
+/// Radius of a ball about the centre of rotation that contains the surface [m]; the leaves of a body without one.
 double reach(const ist::InnerSphereTree& tree, const ist::Pose& X_WS, const ist::Vec3& center)
 {
-	return ist::reachOf(tree) + distance(X_WS * tree.origin, center);
+	if (tree.surface.empty()) return ist::reachOf(tree) + distance(X_WS * tree.origin, center);
+	const ist::SurfaceNode& root = tree.surface.surface.nodes[0];
+	return double(root.radius) + distance(X_WS * (tree.origin + ist::toVec3(root.center)), center);
+}
+
+struct Ball
+{
+	ist::Vec3 center;
+	double radius;  ///< negative: no ball
+};
+
+/// A ball around all points of both.
+Ball intersection(const Ball& a, const Ball& b)
+{
+	const double d = distance(a.center, b.center);
+	if (d > a.radius + b.radius) return {a.center, -1};
+	// Distance from the centre of `a` to the plane of the circle in which the balls meet.
+	const double x = d > 0 ? 0.5 * (d + (a.radius - b.radius) * (a.radius + b.radius) / d) : 0;
+	if (!(x > 0) || !(x < d)) return a.radius < b.radius ? a : b;
+	return {a.center + x / d * (b.center - a.center), std::sqrt(std::max(a.radius * a.radius - x * x, 0.0))};
 }
 }  // namespace
 
@@ -76,17 +88,31 @@ double btISTBodyMotion::massOf(const btCollisionObject& object)
 
 double btISTBodyMotion::lighterMassOf(const btISTContact& contact) { return std::min(massOf(*contact.bodyA), massOf(*contact.bodyB)); }
 
+double btISTFirstTouch::meanDepthOf(const btISTContact& contact)
+{
+	double depth = 0;
+	for (int i = 0; i < contact.patchCount; ++i) depth = std::max(depth, ist::meanDepth(contact.patches[i]));
+	return depth;
+}
+
 double btISTFirstTouch::travel(const btISTContact& contact, const btISTBodyMotion& a, const btISTBodyMotion& b, double step)
 {
-	double speed = norm(a.twist.linear - b.twist.linear);
-	if (const double spin = norm(a.twist.angular); spin > 0) speed += spin * reach(*contact.treeA, contact.X_WA, a.center);
-	if (const double spin = norm(b.twist.angular); spin > 0)
-	{
-		const ist::Pose X_WB = poseOfB(contact);
-		// A closed form has no radius here; what of it can touch A lies within the reach of A.
-		speed += spin * (contact.treeB ? reach(*contact.treeB, X_WB, b.center) : reach(*contact.treeA, contact.X_WA, b.center));
-	}
-	return speed * step;
+	const ist::Vec3 relative = a.twist.linear - b.twist.linear;
+	const double spinA = norm(a.twist.angular), spinB = norm(b.twist.angular), way = step * norm(relative);
+	if (!(spinA + spinB > 0)) return way;
+	const double reachA = reach(*contact.treeA, contact.X_WA, a.center);
+	// A closed form has no radius here; what of it can touch A lies within the reach of A.
+	if (!contact.treeB) return way + step * (spinA * reachA + spinB * reach(*contact.treeA, contact.X_WA, b.center));
+	const double reachB = reach(*contact.treeB, poseOfB(contact), b.center);
+	const double everywhere = way + step * (spinA * reachA + spinB * reachB);
+	// Points that touch lie in both balls then. What moves with the centre of A and is in the ball of B at some time is in the wider one
+	// now.
+	const Ball common = intersection({{}, reachA}, {b.center - a.center, reachB + way});
+	if (common.radius < 0) return 0;
+	// On its way there a point of A turns about the centre of A, and the centre of B moves from it.
+	const double radius = common.radius + step * spinA * (norm(common.center) + common.radius);
+	const ist::Vec3 slip = relative + cross(a.twist.angular, common.center) - cross(b.twist.angular, common.center + a.center - b.center);
+	return std::min(everywhere, step * (norm(slip) + spinB * way + norm(a.twist.angular - b.twist.angular) * radius));
 }
 
 void btISTFirstTouch::moveTo(
@@ -103,7 +129,7 @@ void btISTFirstTouch::approachDepth(double aimed, double before, double present,
 	double time = present;
 	for (int i = 0; i < kMostHalvings; ++i)
 	{
-		const double depth = deepest(contact);
+		const double depth = meanDepthOf(contact);
 		if (depth > aimed) present = time;
 		else if (i > 0 && depth < kLeastOfAimed * aimed) before = time;
 		else break;
@@ -133,12 +159,12 @@ void btISTFirstTouch::turnLevers(double time, const ist::Pose& X_WA, const ist::
 bool btISTFirstTouch::moveDeeper(btISTContact& contact, double most, ist::QueryWorkspace& workspace) const
 {
 	const double way = travel(contact), thickness = contact.thickness();
-	const double far = std::max(kShallow * thickness, 2 * deepest(contact)), deep = std::max(most * thickness, far);
+	const double far = std::max(kShallow * thickness, 2 * meanDepthOf(contact)), deep = std::max(most * thickness, far);
 	const ist::Pose X_WA = contact.X_WA, X_WB = poseOfB(contact);
 	double before = 0, time = 0;
 	bool found = false;
 	int queries = 0;
-	while (time < m_step && queries < kMostQueries && !(deepest(contact) > deep))
+	while (time < m_step && queries < kMostQueries && !(meanDepthOf(contact) > deep))
 	{
 		const bool apart = contact.patchCount == 0;
 		const double known = apart ? m_query.clearanceAt(contact) : 0;
@@ -146,7 +172,7 @@ bool btISTFirstTouch::moveDeeper(btISTContact& contact, double most, ist::QueryW
 		before = time;
 		time = std::min(time + m_step * std::max(known, kStride * thickness) / way, m_step);
 		moveTo(time, X_WA, X_WB, contact, workspace);
-		found = found || deepest(contact) > far;
+		found = found || meanDepthOf(contact) > far;
 		++queries;
 	}
 	contact.touchMissed = contact.touchMissed || (queries == kMostQueries && time < m_step);

@@ -52,8 +52,12 @@ public:
 	/// kMostQueries did not suffice.
 	bool moveDeeper(btISTContact& contact, double most, ist::QueryWorkspace& workspace) const;
 
-	/// Upper bound of the motion of any point of one body relative to the other in the step [m].
+	/// Upper bound of the motion of any point of one body relative to the other until it touches the other in the step [m]. Zero if no
+	/// point can. Bodies that roll on each other, as gears do, slip by much less where they meet than their rims move.
 	static double travel(const btISTContact& contact, const btISTBodyMotion& a, const btISTBodyMotion& b, double step);
+
+	/// Mean depth of the patch that is deepest on average [m].
+	static double meanDepthOf(const btISTContact& contact);
 
 	static constexpr int kMostQueries = 64;
 	/// Motion in a step from which on a touch is looked for, as a share of the thickness of the thinner body.

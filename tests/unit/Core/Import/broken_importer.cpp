@@ -35,6 +35,10 @@ void allocate(double megabytes)
 {
 	std::vector<std::unique_ptr<char[]>> all;
 	for (double i = 0; i < megabytes; ++i) all.emplace_back(new char[1000000]);
+#ifdef _WIN32
+	// Under Wine no system limits the memory, but the thread that looks ten times a second.
+	std::this_thread::sleep_for(std::chrono::milliseconds(300));
+#endif
 }
 
 Result<TexturedMesh> misread(const std::string& path, std::optional<double>, Wanted, const Progress&, const FileOpened& opened)
