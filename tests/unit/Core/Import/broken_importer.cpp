@@ -36,7 +36,8 @@ void allocate(double megabytes)
 	std::vector<std::unique_ptr<char[]>> all;
 	for (double i = 0; i < megabytes; ++i) all.emplace_back(new char[1000000]);
 #ifdef _WIN32
-	// Under Wine no system limits the memory, but the thread that looks ten times a second.
+	// Under Wine no system limits the memory, but a thread that looks ten times a second how much of it was written to.
+	for (const std::unique_ptr<char[]>& one : all) std::memset(one.get(), 1, 1000000);
 	std::this_thread::sleep_for(std::chrono::milliseconds(300));
 #endif
 }
