@@ -48,7 +48,7 @@ bool isForetold(const btISTContact& contact, const btISTContact& later)
 bool btISTDeflectedPairs::findDeeper(btISTContact& contact, const ist::Twist* motionA, const ist::Twist* motionB, double step)
 {
 	const Deflected a(contact.bodyA, motionA, step), b(contact.bodyB, motionB, step);
-	// No place comes deeper than the deepest one is and bodies move. That is no deeper than three mean depths, which it is at a corner.
+	// No place comes deeper than the deepest one by more than the bodies move, and at most that one is three mean depths deep, at a corner.
 	const double least = std::max(btISTFirstTouch::kWorthLooking * contact.thickness(),
 		btISTFirstTouch::kShallow * contact.thickness() - kCorner * btISTFirstTouch::meanDepthOf(contact));
 	const double way = btISTFirstTouch::travel(contact, a.motion, b.motion, step);

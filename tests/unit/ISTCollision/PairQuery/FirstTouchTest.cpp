@@ -3,12 +3,12 @@
 
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
-#include "tests/unit/Core/Query/SurfaceBodies.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <memory>
+#include <random>
 
 using namespace ist;
 
@@ -46,6 +46,8 @@ const Body& brick()
 }
 
 constexpr double kStep = 0.01;
+
+Mat3 turnBy(const Vec3& rotation) { return rotationMatrix(quaternionFromRotationVector(rotation)); }
 }  // namespace
 
 /// Points of one body, where they are when they come into the ball around the other, have moved relative to it by no more.
@@ -53,6 +55,7 @@ TEST(btISTFirstTouch, NoPointTravelsFartherBeforeItTouches)
 {
 	std::mt19937 random(3);
 	std::uniform_real_distribution<double> u(-1, 1);
+	const auto some = [&] { return Vec3{u(random), u(random), u(random)}; };
 	int touching = 0;
 	double largest = 0;
 	for (int i = 0; i < 400; ++i)
@@ -61,17 +64,16 @@ TEST(btISTFirstTouch, NoPointTravelsFartherBeforeItTouches)
 		btISTContact contact;
 		contact.treeA = A.tree;
 		contact.treeB = B.tree;
-		const Vec3 centerA = A.tree->origin + 0.02 * Vec3{u(random), u(random), u(random)};
-		const Vec3 centerB = B.tree->origin + 0.02 * Vec3{u(random), u(random), u(random)};
+		const Vec3 centerA = A.tree->origin + 0.02 * some();
+		const Vec3 centerB = B.tree->origin + 0.02 * some();
 		const double radiusB = B.radiusAbout(centerB), reach = A.radiusAbout(centerA) + radiusB;
-		contact.X_WA = randomPose(random, i % 3 ? 1 : 1000);
-		Pose X_WB = randomPose(random, 0);
-		const Vec3 away = normalized(Vec3{u(random), u(random), u(random)});
+		contact.X_WA = {turnBy(3 * some()), (i % 3 ? 1 : 1000) * some()};
+		Pose X_WB{turnBy(3 * some()), {}};
+		const Vec3 away = normalized(some());
 		X_WB.translation = contact.X_WA * centerA + (0.55 + 0.45 * u(random)) * reach * away - X_WB * centerB;
 		contact.X_AB = inverse(contact.X_WA) * X_WB;
 
 		const double speed = std::exp(3 * u(random)), spin = 70 * u(random) * u(random);
-		const auto some = [&] { return Vec3{u(random), u(random), u(random)}; };
 		btISTBodyMotion a{contact.X_WA * centerA, {}}, b{X_WB * centerB, {}};
 		a = a.with({speed * some(), spin * some()}, kStep);
 		b = b.with({speed * some(), spin * some()}, kStep);
@@ -97,9 +99,8 @@ TEST(btISTFirstTouch, WheelsThatRollOnEachOtherTravelLittleWhereTheyMeet)
 	btISTContact contact;
 	contact.treeA = contact.treeB = torus().tree;  // of radius 0.13 m, about y
 	const double spin = 10, radius = 0.13, apart = 0.25;
-	const Pose X_WB{turned(0, {0, 1, 0}), {apart, 0, 0}};
-	contact.X_AB = X_WB;
-	const btISTBodyMotion a{{}, {{}, {0, spin, 0}}}, b{X_WB.translation, {{}, {0, -spin, 0}}};
+	contact.X_AB.translation = {apart, 0, 0};
+	const btISTBodyMotion a{{}, {{}, {0, spin, 0}}}, b{contact.X_AB.translation, {{}, {0, -spin, 0}}};
 	const double rims = 2 * spin * radius * kStep;
 	EXPECT_LT(btISTFirstTouch::travel(contact, a, b, kStep), 0.5 * rims);
 	contact.X_AB.translation.x = 0.4;
