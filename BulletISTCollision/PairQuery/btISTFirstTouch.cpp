@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Query/LeafClearance.h"
+#include "BulletISTCollision/Core/Query/PlanarBody.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 
 #include "BulletDynamics/Dynamics/btRigidBody.h"
@@ -26,18 +27,12 @@ ist::Pose poseOfB(const btISTContact& contact) { return contact.X_WA * contact.X
 double reach(const ist::InnerSphereTree& tree, const ist::Pose& X_WS, const ist::Vec3& center)
 {
 	if (tree.surface.empty()) return ist::reachOf(tree) + distance(X_WS * tree.origin, center);
-	const ist::SurfaceNode& root = tree.surface.surface.nodes[0];
-	return double(root.radius) + distance(X_WS * (tree.origin + ist::toVec3(root.center)), center);
+	const ist::BodyBall ball = ist::ballAround(tree.surface.surface, {X_WS.rotation, X_WS * tree.origin});
+	return ball.radius + distance(ball.center, center);
 }
 
-struct Ball
-{
-	ist::Vec3 center;
-	double radius;  ///< negative: no ball
-};
-
-/// A ball around all points of both.
-Ball intersection(const Ball& a, const Ball& b)
+/// A ball around all points of both; of negative radius if there are none.
+ist::BodyBall intersection(const ist::BodyBall& a, const ist::BodyBall& b)
 {
 	const double d = distance(a.center, b.center);
 	if (d > a.radius + b.radius) return {a.center, -1};
@@ -107,7 +102,7 @@ double btISTFirstTouch::travel(const btISTContact& contact, const btISTBodyMotio
 	const double everywhere = way + step * (spinA * reachA + spinB * reachB);
 	// Points that touch lie in both balls then. What moves with the centre of A and is in the ball of B at some time is in the wider one
 	// now.
-	const Ball common = intersection({{}, reachA}, {b.center - a.center, reachB + way});
+	const ist::BodyBall common = intersection({{}, reachA}, {b.center - a.center, reachB + way});
 	if (common.radius < 0) return 0;
 	// On its way there a point of A turns about the centre of A, and the centre of B moves from it.
 	const double radius = common.radius + step * spinA * (norm(common.center) + common.radius);
