@@ -151,7 +151,7 @@ ist::Result<DeviceInfo> HaplyLink::connectOrThrow()
 	m_deviceId = state.deviceId, m_kind = state.kind;
 	// After a reconnection, a grip that sleeps keeps its last known orientation.
 	if (state.orientation) m_gripId = state.gripId, m_orientation = *state.orientation;
-	m_lastMessage = RealClock().now();
+	m_lastMessage = m_lastState = RealClock().now();
 	m_turnedAt = 0;
 	m_angular = {};
 	DeviceInfo info;
@@ -204,11 +204,11 @@ DeviceLink::Event HaplyLink::exchangeOrThrow(const DeviceCommand& command, Devic
 	m_awaiting = false;
 	const auto read = readHaplyMessage(text, m_deviceId, m_gripId);
 	if (!read) return lost(read.error().message);
-	const std::int64_t now = RealClock().now();
+	const std::int64_t now = m_lastMessage = RealClock().now();
 	// A message without the device is not a sample. One second without the device counts as its loss.
 	if (!read.value())
-		return now - m_lastMessage > kAnswering ? lost("the device " + m_deviceId + " has left the Haply Inverse service") : Event::Nothing;
-	m_lastMessage = now;
+		return now - m_lastState > kAnswering ? lost("the device " + m_deviceId + " has left the Haply Inverse service") : Event::Nothing;
+	m_lastState = now;
 	const HaplyState& state = *read.value();
 	sample.state.X_WH.translation = state.position;
 	sample.state.twist.linear = state.velocity;

@@ -45,7 +45,8 @@ private:
 	std::string m_uri, m_complaint, m_deviceId, m_gripId, m_kind;
 	std::unique_ptr<Socket> m_socket;
 	bool m_awaiting = false;
-	std::int64_t m_lastMessage = 0, m_turnedAt = 0;
+	std::int64_t m_lastMessage = 0, m_lastState = 0;  // a message without the device is no state
+	std::int64_t m_turnedAt = 0;
 	ist::Quaternion m_orientation, m_turned;
 	ist::Vec3 m_angular;
 };

@@ -149,6 +149,8 @@ private:
 			if (failure) return;
 			take(boost::beast::buffers_to_string(buffer.data()));
 			if (mood == Mood::Silent) continue;
+			// Slow, so that the driver also waits in vain for a time before the device counts as lost.
+			if (mood == Mood::Emptied) std::this_thread::sleep_for(std::chrono::milliseconds(20));
 			const std::string answer = mood == Mood::Babbling ? "{]" : state();
 			stream.write(asio::buffer(answer), failure);
 		}
