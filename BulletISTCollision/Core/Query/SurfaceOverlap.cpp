@@ -27,6 +27,8 @@ constexpr double kMostOfColumns = 4;
 constexpr double kNoDirection = 0.1, kLeastRank = 0.001;
 /// Cosine above which a normal is that of a flat body's side.
 constexpr double kAlongNormal = 0.999;
+/// An error of a cell below this share of its radius is that of rounding: the depth is that of a plane.
+constexpr double kRounding = 1e-7;
 
 void toFrame(const Pose& X, ContactFace& face)
 {
@@ -256,7 +258,8 @@ namespace
 /// How far the surface may be off at a face: the errors of its own description and of the other body's depth [m].
 double errorOf(const ContactSurface& surface, const DepthField& field, const ContactFace& face)
 {
-	const double ofSurface = surface.elements[face.element].error, ofField = field.cells[face.cell].error;
+	const DepthCell& cell = field.cells[face.cell];
+	const double ofSurface = surface.elements[face.element].error, ofField = cell.error > kRounding * cell.radius ? cell.error : 0;
 	return std::sqrt(ofSurface * ofSurface + ofField * ofField);
 }
 

@@ -151,8 +151,8 @@ TEST(SurfaceInField, ACornerThatHardlyReachesInHasItsVolume)
 
 			const Pose X_WA{R, Vec3{place(random), 0.05 - depth, place(random)} - R * corner};
 			const OverlapResult onSlab = queryOverlap(brick(), slab, inverse(X_WA), workspace);
-			EXPECT_NEAR(onSlab.total.volume, volume, 0.15 * volume) << depth;
-			EXPECT_LT(norm(onSlab.total.areaVector - area * up), 0.15 * area) << depth;
+			EXPECT_NEAR(onSlab.total.volume, volume, 0.02 * volume) << depth;
+			EXPECT_LT(norm(onSlab.total.areaVector - area * up), 0.02 * area) << depth;
 		}
 }
 
