@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Query/LeafClearance.h"
 
+#include "BulletISTCollision/Core/Distance/MeshDistance.h"
 #include "BulletISTCollision/Core/Query/PlanarBody.h"
 #include "BulletISTCollision/Core/Tree/TreePose.h"
 
@@ -104,6 +105,12 @@ struct FlatPiece
 	Vec3 center, e1, e2, normal;
 	bool isTriangle;
 
+	double distanceTo(const Vec3& p) const
+	{
+		const Vec3 corner = isTriangle ? center : center - e1 - e2, a = isTriangle ? e1 : 2 * e1, b = isTriangle ? e2 : 2 * e2;
+		const double nearer = distance(p, closestPointOnTriangle(p, corner, corner + a, corner + b));
+		return isTriangle ? nearer : std::min(nearer, distance(p, closestPointOnTriangle(p, corner + a + b, corner + a, corner + b)));
+	}
 	/// Largest projection on the direction.
 	double reach(const Vec3& u) const
 	{
@@ -118,6 +125,13 @@ FlatPiece pieceOf(const SurfaceElement& e, const Pose& X)
 {
 	const Mat3& R = X.rotation;
 	return {X * toVec3(e.center), R * toVec3(e.e1), R * toVec3(e.e2), R * toVec3(e.normal), e.isTriangle != 0};
+}
+
+/// Lower bound of the distance of a flat element from what a ball contains.
+double gapOfBall(const FlatPiece& piece, const SurfaceBall& ball)
+{
+	return piece.distanceTo(ball.center) - ball.r -
+		kRounding * (norm(piece.center) + norm(piece.e1) + norm(piece.e2) + norm(ball.center) + ball.r);
 }
 
 /// Lower bound of the distance of two flat elements: the largest of their gaps along some directions.
@@ -139,15 +153,19 @@ double surfaceClearance(const ContactSurface& A, const ContactSurface& B, const 
 		const SurfaceBall ball = ballOf(node);
 		return SurfaceBall{ball.child, X * ball.center, ball.r * (1 + kStretch)};
 	};
-	const auto elementOf = [](const ContactSurface& surface, const SurfaceBall& ball) -> const SurfaceElement& {
-		return surface.elements[ball.child & ~SurfaceNode::kElement];
+	const auto flatElement = [](const ContactSurface& surface, const SurfaceBall& ball) -> const SurfaceElement* {
+		const SurfaceElement* element = ball.isElement() ? &surface.elements[ball.child & ~SurfaceNode::kElement] : nullptr;
+		return element && isFlat(*element) ? element : nullptr;
 	};
 	// Large flat elements fill little of their balls.
 	const auto gapOf = [&](const SurfaceBallPair& pair) {
-		const double balls = gap(pair.a, pair.b);
-		if (balls > 0 || !pair.isFinal()) return balls;
-		const SurfaceElement &a = elementOf(A, pair.a), &b = elementOf(B, pair.b);
-		return isFlat(a) && isFlat(b) ? std::max(balls, gapOfPieces(pieceOf(a, {}), pieceOf(b, X))) : balls;
+		double largest = gap(pair.a, pair.b);
+		if (largest > 0) return largest;
+		const SurfaceElement *a = flatElement(A, pair.a), *b = flatElement(B, pair.b);
+		if (a) largest = std::max(largest, gapOfBall(pieceOf(*a, {}), pair.b));
+		if (b) largest = std::max(largest, gapOfBall(pieceOf(*b, X), pair.a));
+		if (a && b) largest = std::max(largest, gapOfPieces(pieceOf(*a, {}), pieceOf(*b, X)));
+		return largest;
 	};
 	const auto expand = [&](const SurfaceBallPair& pair, const auto& keep) {
 		const bool first = pair.b.isElement() || (!pair.a.isElement() && pair.a.r >= pair.b.r);

@@ -127,6 +127,29 @@ TEST(LeafClearance, BodiesWithSurfacesAdvanceByItWithoutContact)
 	EXPECT_GT(advanced, 1000);
 }
 
+// A large face fills little of the ball around it.
+TEST(LeafClearance, OfALargeFlatFaceIsTheDistance)
+{
+	BuildOptions options;
+	options.maxSpheres = 200;
+	const InnerSphereTree plate = buildTree(makeBoxMesh({1, 0.02, 1}), options).value(),
+						  ball = buildTree(makeSphereMesh(0.05, 3), options).value();
+	std::mt19937 random(8);
+	for (int trial = 0; trial < 50; ++trial)
+	{
+		const Vec3 place = randomVector(random, 0.9);
+		const double apart = 0.01 + 0.2 * trial / 50.;
+		for (const bool first : {true, false})
+		{
+			Pose X{rotationMatrix(quaternionFromRotationVector(randomVector(random, 3))), {place.x, 0.02 + 0.05 + apart, place.z}};
+			if (!first) X = inverse(X);
+			const double bound = leafClearance(first ? plate : ball, first ? ball : plate, X, kMostOpenedForClearance);
+			EXPECT_LT(bound, apart + 1e-3);                 // the ball's facets are flat
+			EXPECT_GT(bound, 0.8 * apart - 0.01) << apart;  // the elements of the ball are some 10 mm large
+		}
+	}
+}
+
 TEST(LeafClearance, OfASphereIsItsDistanceFromTheNearestBall)
 {
 	std::mt19937 random(3);
