@@ -58,7 +58,10 @@ btISTBodyMotion btISTBodyMotion::free(const btCollisionObject* object, double st
 btISTBodyMotion btISTBodyMotion::with(const ist::Twist& other, double step) const
 {
 	const double angle = step * norm(other.angular), most = double(ANGULAR_MOTION_THRESHOLD);
-	return {center, {other.linear, angle > most ? most / angle * other.angular : other.angular}};
+	if (!(angle > most) || !std::isfinite(angle)) return {center, other};
+	// btTransformUtil::integrateTransform limits the angle, but not the axis that it multiplies by the sine of its half.
+	const double turn = 2 * std::atan(angle / most * std::tan(0.5 * most));
+	return {center, {other.linear, turn / angle * other.angular}};
 }
 
 ist::Pose btISTBodyMotion::after(double time, const ist::Pose& X_WS) const
@@ -151,27 +154,43 @@ void btISTFirstTouch::turnLevers(double time, const ist::Pose& X_WA, const ist::
 	contact.X_WA = fasterB ? m_b.turned(turning, X_WB) * inverse(contact.X_AB) : m_a.turned(turning, X_WA);
 }
 
+/// Motion to the next pose [m]. What is left of the way is taken in as many equal strides as there are queries left, if shorter ones do not
+/// suffice: those may pass a thin place.
+double btISTFirstTouch::stride(double known, double left, int queries, double thickness, bool& missed)
+{
+	const double sound = std::max(known, kStride * thickness), longest = left / std::max(kMostQueries - queries, 1);
+	missed = missed || longest > sound;
+	return std::max(sound, longest);
+}
+
 bool btISTFirstTouch::moveDeeper(btISTContact& contact, double most, ist::QueryWorkspace& workspace) const
 {
 	const double way = travel(contact), thickness = contact.thickness();
-	const double far = std::max(kShallow * thickness, 2 * meanDepthOf(contact)), deep = std::max(most * thickness, far);
+	const double far = meanDepthOf(contact) + kShallow * thickness, deep = std::max(most * thickness, far);
 	const ist::Pose X_WA = contact.X_WA, X_WB = poseOfB(contact);
-	double before = 0, time = 0;
-	bool found = false;
-	int queries = 0;
-	while (time < m_step && queries < kMostQueries && !(meanDepthOf(contact) > deep))
+	double before = 0, time = 0, deepest = 0, beforeDeepest = 0, timeDeepest = 0;
+	bool found = false, missed = false;
+	for (int queries = 0; time < m_step && !(meanDepthOf(contact) > deep); ++queries)
 	{
 		const bool apart = contact.patchCount == 0;
-		const double known = apart ? m_query.clearanceAt(contact) : 0;
-		if ((apart && found) || known >= way * (1 - time / m_step)) break;
+		const double known = apart ? m_query.clearanceAt(contact) : 0, left = way * (1 - time / m_step);
+		if ((apart && found) || known >= left) break;
 		before = time;
-		time = std::min(time + m_step * std::max(known, kStride * thickness) / way, m_step);
+		time = std::min(time + m_step * stride(known, left, queries, thickness, missed) / way, m_step);
 		moveTo(time, X_WA, X_WB, contact, workspace);
-		found = found || meanDepthOf(contact) > far;
-		++queries;
+		const double depth = meanDepthOf(contact);
+		found = found || depth > far;
+		if (depth > deepest) deepest = depth, beforeDeepest = before, timeDeepest = time;
 	}
-	contact.touchMissed = contact.touchMissed || (queries == kMostQueries && time < m_step);
+	contact.touchMissed = contact.touchMissed || (missed && !found);
 	if (!found) return false;
+	// What has passed a thin place is apart again, or nearly so.
+	if (meanDepthOf(contact) < deepest)
+	{
+		before = beforeDeepest;
+		time = timeDeepest;
+		moveTo(time, X_WA, X_WB, contact, workspace);
+	}
 	approachDepth(deep, before, time, X_WA, X_WB, contact, workspace);
 	return contact.patchCount > 0;
 }
@@ -200,20 +219,18 @@ bool btISTFirstTouch::find(btISTContact& contact, ist::QueryWorkspace& workspace
 	const ist::Pose X_WA = contact.X_WA, X_AB = contact.X_AB, X_WB = poseOfB(contact);
 	const ist::AdaptiveLevel accuracy = contact.accuracy;
 	double time = 0;
-	int queries = 0;
-	while (time < m_step && queries < kMostQueries)
+	bool missed = false;
+	for (int queries = 0; time < m_step; ++queries)
 	{
-		const double known = m_query.clearanceAt(contact), before = time;
-		if (known >= way * (1 - time / m_step)) break;
-		const double clear = std::max(known, kStride * thickness);
-		time = std::min(time + m_step * clear / way, m_step);
+		const double known = m_query.clearanceAt(contact), left = way * (1 - time / m_step), before = time;
+		if (known >= left) break;
+		time = std::min(time + m_step * stride(known, left, queries, thickness, missed) / way, m_step);
 		moveTo(time, X_WA, X_WB, contact, workspace);
-		++queries;
 		if (contact.patchCount == 0) continue;
 		approachDepth(kShallow * thickness, before, time, X_WA, X_WB, contact, workspace);
 		return true;
 	}
 	contact.X_AB = X_AB;
 	contact.accuracy = accuracy;
-	return queries < kMostQueries || time >= m_step;
+	return !missed;
 }

@@ -12,7 +12,8 @@ struct btISTBodyMotion
 	/// The motion if no contact holds the body: gravity and other forces of the step are included. `step` [s]. A body that the solver
 	/// cannot move, or that is no rigid body, keeps its velocity.
 	static btISTBodyMotion free(const btCollisionObject* object, double step);
-	/// Returns the motion with another twist. Bullet turns no body by more than 45 degrees in a step.
+	/// Returns the motion with another twist. Where that would turn the body by more than 45 degrees in the step, the angular velocity is
+	/// the one by which Bullet turns it.
 	btISTBodyMotion with(const ist::Twist& other, double step) const;
 	/// Mass [kg]; infinite for a body that the solver cannot move, or that is no rigid body.
 	static double massOf(const btCollisionObject& object);
@@ -38,18 +39,18 @@ public:
 	{}
 	/// For a contact without overlap at its X_WA and X_AB. If the bodies touch within the step, gives the contact the sums of that touch
 	/// and sets `ahead`; X_WA then makes the lever arms right for the faster body. Otherwise leaves the contact without overlap. Between
-	/// the poses that it asks, a body moves by at most half of the thinner one's thickness, as long as kMostQueries suffice. Returns false
-	/// where they did not. No allocation.
+	/// the poses that it asks, a body moves by at most half of the thinner one's thickness, as long as kMostQueries suffice. Where they do
+	/// not, it moves farther, and without a touch the result is false. No allocation.
 	bool find(btISTContact& contact, ist::QueryWorkspace& workspace) const;
 
 	/// For a contact with overlap that is too soft to stop the lighter body. If the motion takes the bodies far deeper into each other,
 	/// gives the contact the sums of a pose on the way and sets `ahead` and X_WA, as `find` does. `later` is memory for the queries.
 	void findFurther(btISTContact& contact, btISTContact& later, ist::QueryWorkspace& workspace) const;
 
-	/// For a contact at the poses as the step began, with or without overlap. If the motion takes the bodies far deeper into each other,
-	/// gives the contact the sums of the last pose on the way that is no deeper than `most`, a share of the thinner body's thickness. It
-	/// sets `ahead` and X_WA as `find` does, and returns true. Otherwise the sums are those of another pose. Sets `touchMissed` where
-	/// kMostQueries did not suffice.
+	/// For a contact at the poses as the step began, with or without overlap. If the motion takes the bodies deeper into each other by more
+	/// than kShallow, gives the contact the sums of the last pose on the way that is no deeper than `most`, a share of the thinner body's
+	/// thickness. It sets `ahead` and X_WA as `find` does, and returns true. Otherwise the sums are those of another pose. Sets
+	/// `touchMissed` where kMostQueries did not suffice and nothing was found.
 	bool moveDeeper(btISTContact& contact, double most, ist::QueryWorkspace& workspace) const;
 
 	/// Upper bound of the motion of any point of one body relative to the other until it touches the other in the step [m]. Zero if no
@@ -67,6 +68,7 @@ public:
 
 private:
 	double travel(const btISTContact& contact) const { return travel(contact, m_a, m_b, m_step); }
+	static double stride(double known, double left, int queries, double thickness, bool& missed);
 	void turnLevers(double time, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact) const;
 	/// Gives the contact the sums of the poses after this time [s].
 	void moveTo(double time, const ist::Pose& X_WA, const ist::Pose& X_WB, btISTContact& contact, ist::QueryWorkspace& workspace) const;

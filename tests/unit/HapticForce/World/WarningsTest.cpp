@@ -133,8 +133,8 @@ TEST(Warnings, ABodyThatSinksThroughIsSaid)
 	scene.bodies.clear();
 }
 
-// Bullet turns no body by more than 45 degrees in a step. The corners of a plate of 10 mm that nearly touches another then move by half a
-// metre, which is more than 64 queries can follow.
+// Bullet turns no body by more than half a turn in a step. The corners of a plate of 10 mm that nearly touches another then move by two
+// metres, which is more than 64 queries can follow.
 TEST(Warnings, APairThatTurnsTooFastIsSaid)
 {
 	const auto tree = treeOf({.5, .005, .5});

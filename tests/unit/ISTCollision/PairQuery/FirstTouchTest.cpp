@@ -3,11 +3,16 @@
 
 #include "BulletISTCollision/Core/Build/TreeBuilder.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "BulletISTCollision/Registry/btISTConversion.h"
 
+#include <BulletCollision/CollisionDispatch/btCollisionObject.h>
+#include <LinearMath/btTransformUtil.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <memory>
+#include <numbers>
 #include <random>
 
 using namespace ist;
@@ -49,6 +54,27 @@ constexpr double kStep = 0.01;
 
 Mat3 turnBy(const Vec3& rotation) { return rotationMatrix(quaternionFromRotationVector(rotation)); }
 }  // namespace
+
+// Bullet turns a body by less than its angular velocity asks for where that is more than 45 degrees in a step, and by up to half a turn.
+TEST(btISTBodyMotion, EndsWhereBulletTakesTheBody)
+{
+	std::mt19937 random(2);
+	std::uniform_real_distribution<double> u(-1, 1);
+	const auto some = [&] { return Vec3{u(random), u(random), u(random)}; };
+	const double rounding = 20 * double(std::numeric_limits<btScalar>::epsilon());
+	for (int i = 0; i < 200; ++i)
+	{
+		const btTransform before = toTransform({turnBy(3 * some()), some()});
+		const Twist twist{some(), std::exp(7 * std::fabs(u(random))) * some()};
+		btTransform after;
+		btTransformUtil::integrateTransform(before, toBullet(twist.linear), toBullet(twist.angular), btScalar(kStep), after);
+		const Pose start = toPose(before);
+		const Pose X = btISTBodyMotion{start.translation, {}}.with(twist, kStep).after(kStep, start), bullet = toPose(after);
+		EXPECT_LT(distance(X.translation, bullet.translation), rounding);
+		for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}})
+			EXPECT_LT(distance(X.rotation * axis, bullet.rotation * axis), rounding) << norm(twist.angular) * kStep << " rad";
+	}
+}
 
 /// Points of one body, where they are when they come into the ball around the other, have moved relative to it by no more.
 TEST(btISTFirstTouch, NoPointTravelsFartherBeforeItTouches)
@@ -106,4 +132,34 @@ TEST(btISTFirstTouch, WheelsThatRollOnEachOtherTravelLittleWhereTheyMeet)
 	contact.X_AB.translation.x = 0.4;
 	const btISTBodyMotion far{contact.X_AB.translation, b.twist};
 	EXPECT_EQ(btISTFirstTouch::travel(contact, a, far, kStep), 0);
+}
+
+// The edge of a brick crosses the corner of another within a step, and is apart from it at both ends.
+TEST(btISTFirstTouch, FindsWhatPassesThroughACornerWithinAStep)
+{
+	btCollisionObject objectA, objectB;
+	btISTContact contact;
+	contact.bodyA = &objectA;
+	contact.bodyB = &objectB;
+	contact.treeA = contact.treeB = brick().tree;
+	const double thickness = contact.thickness();
+	const btISTShapeField none;
+	const btISTQueryRules rules;
+	const btISTPairQuery query(none, rules, true, false);
+	QueryWorkspace workspace;
+	for (const double deep : {0.15, 0.3})
+	{
+		// B is turned about x by 45 degrees: one of its long edges points down, and passes the upper edge of A's side by `deep`.
+		const Vec3 center = brick().tree->origin;
+		const double reach = std::sqrt(0.5) * (0.03 + 0.05);
+		Pose X{turnBy({0.25 * std::numbers::pi, 0, 0}), {}};
+		X.translation = center + Vec3{0, 0.03 + reach - deep * thickness, -0.3} - X.rotation * center;
+		contact.X_AB = X;
+		const btISTBodyMotion still{center, {}}, fast{X * center, {{0, 0, 0.6 / kStep}, {}}};
+		ASSERT_TRUE(btISTFirstTouch(query, still, fast, kStep).moveDeeper(contact, 0.4, workspace)) << deep;
+		EXPECT_GT(contact.total.volume, 0);
+		EXPECT_GT(contact.ahead, 0.3 * kStep);
+		EXPECT_LT(contact.ahead, 0.7 * kStep);
+		EXPECT_GT(btISTFirstTouch::meanDepthOf(contact), btISTFirstTouch::kShallow * thickness);
+	}
 }
