@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/Solver/btCompensatedPoses.h"
 
+#include "BulletISTCollision/PairQuery/btISTFirstTouch.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 
 #include "BulletDynamics/Dynamics/btRigidBody.h"
@@ -70,6 +71,14 @@ ist::Twist btCompensatedPoses::recall(const btRigidBody& body, uint64_t step)
 	place->body = &body;
 	place->step = step;
 	return place->lacking;
+}
+
+void btCompensatedPoses::takeBack(const btRigidBody& body, double time, double h, uint64_t step)
+{
+	Place* place = find(body);
+	if (!place || place->body != &body || place->step != step) return;
+	const ist::Twist motion = btISTBodyMotion().with({toVec3(body.getLinearVelocity()), toVec3(body.getAngularVelocity())}, h).twist;
+	place->lacking = place->lacking - ist::Twist{time * motion.linear, time * motion.angular};
 }
 
 void btCompensatedPoses::settle(btRigidBody& body, double h, uint64_t step)

@@ -27,6 +27,9 @@ public:
 	/// before contacts are evaluated in step `step`. Zero for a body that is not in the world. A second call in the same step gives the
 	/// same answer.
 	ist::Twist recall(const btRigidBody& body, uint64_t step);
+	/// Takes back the motion of the last `time` [s] of this step of `h` [s]. Call it after `recall` and before `settle`, with the final
+	/// velocities.
+	void takeBack(const btRigidBody& body, double time, double h, uint64_t step);
 	/// Moves the pose by whole roundings and remembers it. Call it when the velocities of the step are final and not yet integrated. `h`
 	/// is the step [s].
 	void settle(btRigidBody& body, double h, uint64_t step);

@@ -44,6 +44,12 @@ void btVolumetricIslands::reserve(Block& block) const
 	block.entries.reserve(patches);
 }
 
+void btVolumetricIslands::reserveBodies(size_t bodies)
+{
+	m_unrounded.reserve(bodies);
+	m_held.reserve(bodies);
+}
+
 void btVolumetricIslands::clear()
 {
 	m_entries.clear();
@@ -97,6 +103,13 @@ bool replaces(const btISTContact& contact, const btContactPatch& former)
 			return true;
 	return false;
 }
+
+/// Whether both push at one place in one direction, as patches of repeated solves do that differ by little.
+bool saySame(const btContactPatch& a, const btContactPatch& b, double thickness)
+{
+	constexpr double kSameDirection = 0.97, kSamePlace = 0.25;  // of the thinner body's thickness
+	return dot(a.normal, b.normal) > kSameDirection && distance(a.point, b.point) < kSamePlace * thickness;
+}
 }  // namespace
 
 void btVolumetricIslands::keep(const btISTContact& contact)
@@ -111,7 +124,10 @@ void btVolumetricIslands::keep(const btISTContact& contact)
 		e.kept = true;
 		e.patchIndex = 0;
 		e.impulse = e.elastic = ist::Wrench();
-		m_kept.push_back(e);
+		const auto same = std::find_if(m_kept.begin(), m_kept.end(),
+			[&](const Entry& k) { return k.contact == &contact && saySame(k.patch, e.patch, contact.thickness()); });
+		if (same == m_kept.end()) m_kept.push_back(e);
+		else if (dot(e.patch.wrench.force, e.patch.normal) > dot(same->patch.wrench.force, same->patch.normal)) *same = e;
 	}
 }
 
@@ -305,8 +321,51 @@ void btVolumetricIslands::displaceByRounding(const btSolverBody* bodies)
 	}
 }
 
+void btVolumetricIslands::hold(int body, double time)
+{
+	const int index = m_islandOfRoot[size_t(rootOf(body))];
+	if (index < 0) return;
+	double& moves = m_islands[size_t(index)].moves;
+	moves = std::min(moves, time);
+}
+
+/// Notes the bodies of islands that do not move for the whole step.
+void btVolumetricIslands::noteHeld(const btSolverBody* bodies)
+{
+	if (std::none_of(m_islands.begin(), m_islands.end(), [&](const Island& island) { return island.moves < m_step; })) return;
+	for (int body = 0; body < int(m_parent.size()); ++body)
+	{
+		const int index = canMove(bodies[body]) ? m_islandOfRoot[size_t(rootOf(body))] : -1;
+		if (index < 0 || !(m_islands[size_t(index)].moves < m_step)) continue;
+		m_held.emplace_back(bodies[body].m_originalBody, m_step - m_islands[size_t(index)].moves);
+		++m_statistics.bodiesHeld;
+	}
+}
+
+namespace
+{
+/// Takes from the body's speed what its weight and other forces of the step have given it in the last `time` [s]: it has not moved then, so
+/// they have done no work. A body at rest stays at rest.
+void takeBackWork(btRigidBody& body, double time)
+{
+	const ist::Vec3 v = toVec3(body.getLinearVelocity());
+	const ist::Vec3 acceleration = double(body.getInvMass()) * toVec3(body.getTotalForce() * body.getLinearFactor());
+	if (!(squaredNorm(v) > 0)) return;
+	const double share = std::clamp(time * dot(acceleration, v) / squaredNorm(v), -1.0, 1.0);
+	body.setLinearVelocity(toBullet((1 - share) * v));
+}
+}  // namespace
+
 void btVolumetricIslands::settlePoses()
 {
+	for (const auto& [body, time] : m_held)
+	{
+		takeBackWork(*body, time);
+		(void)m_unrounded.recall(*body, m_stepNumber);
+		m_unrounded.takeBack(*body, time, m_step, m_stepNumber);
+		m_unrounded.settle(*body, m_step, m_stepNumber);
+	}
+	m_held.clear();
 	for (btRigidBody* body : m_moved) m_unrounded.settle(*body, m_step, m_stepNumber);
 	m_moved.clear();
 }
@@ -476,6 +535,7 @@ double btVolumetricIslands::iterate(btSolverBody* bodies, int iteration)
 
 void btVolumetricIslands::finish(btSolverBody* bodies)
 {
+	noteHeld(bodies);
 	for (const Island& island : m_islands)
 	{
 		holdToEnergyTanks(island, bodies);

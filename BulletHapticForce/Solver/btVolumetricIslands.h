@@ -32,7 +32,7 @@ public:
 	/// Reserves memory for so many contacts with all their patches.
 	void reserve(size_t contacts);
 	/// Reserves memory for all bodies of the world, touching or not.
-	void reserveBodies(size_t bodies) { m_unrounded.reserve(bodies); }
+	void reserveBodies(size_t bodies);
 	void clear();
 	/// True when the body's velocity (including the forces of this step), position and mass are finite. Other bodies must not reach an
 	/// island, because one such value would spoil the whole island.
@@ -43,6 +43,8 @@ public:
 	/// that push along their normals.
 	void keep(const btISTContact& contact);
 	void forgetKept() { m_kept.clear(); }
+	/// Lets all bodies of this body's island move for the first `time` [s] of the step only.
+	void hold(int body, double time);
 	/// Adds the rows of all joints, in Bullet's order. `prepare` takes those that it solves out of Bullet's iterations. Call it after the
 	/// last `add`. `rows` must live until `finish`.
 	void addJoints(btConstraintArray& rows, const btSolverBody* bodies);
@@ -93,6 +95,7 @@ private:
 		int first = -1, entryCount = 0, bodyCount = 0;
 		int firstJoint = -1;
 		bool touched = false;
+		double moves = 1e300;       // time of the step in which its bodies move [s]
 		double weight = 0;          // weight of the bodies that have a gravity of their own [N]
 		double weightlessMass = 0;  // mass of the other bodies [kg]
 	};
@@ -125,6 +128,7 @@ private:
 	void waitForTouch(const btSolverBody* bodies);
 	void leaveOutRolling(const btSolverBody* bodies);
 	static void centre(Entry& e, const btSolverBody* bodies, double speed);
+	void noteHeld(const btSolverBody* bodies);
 	void displaceByRounding(const btSolverBody* bodies);
 	void openEnergyTanks(const btSolverBody* bodies);
 	static bool fitsBlock(const Island& island);
@@ -174,5 +178,6 @@ private:
 	std::vector<ist::Twist> m_change;  // change of each body's twist by all volumetric contacts
 	btCompensatedPoses m_unrounded;
 	std::vector<btRigidBody*> m_moved;
+	std::vector<std::pair<btRigidBody*, double>> m_held;  // with the time in which they do not move [s]
 	btVolumetricStatistics m_statistics;
 };

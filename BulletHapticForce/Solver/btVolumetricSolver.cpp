@@ -15,7 +15,8 @@
 
 namespace
 {
-constexpr int kMostRepetitions = 8;  // of a solve, where it brings bodies deep into each other
+constexpr int kMostRepetitions = 8;   // of a solve, where it brings bodies deep into each other
+constexpr double kLeastOfStep = 0.1;  // in which bodies move, where no solve keeps them apart: else nothing would ever part them
 
 bool isRigid(const btCollisionObject* object)
 {
@@ -219,6 +220,20 @@ template <class Base> void btVolumetricSolver<Base>::restoreState()
 	this->m_tmpSolverContactRollingFrictionConstraintPool.resizeNoInitialize(0);
 }
 
+template <class Base> typename btVolumetricSolver<Base>::Solved btVolumetricSolver<Base>::solved(const btISTContact& contact, btScalar step)
+{
+	Solved result;
+	for (int side = 0; side < 2; ++side)
+	{
+		auto* object = const_cast<btCollisionObject*>(side == 0 ? contact.bodyA : contact.bodyB);
+		result.body[side] = this->getOrInitSolverBody(*object, step);
+		const btSolverBody& body = this->m_tmpSolverBodyPool[result.body[side]];
+		result.moves[side] = btSolverBodyMotion::canMove(body);
+		if (result.moves[side]) result.twist[side] = btSolverBodyMotion::twist(body);
+	}
+	return result;
+}
+
 /// Whether the solution brings two bodies far into each other, because contacts have deflected them. Their contact then has other sums.
 template <class Base> bool btVolumetricSolver<Base>::findDeflected(btScalar step)
 {
@@ -226,23 +241,27 @@ template <class Base> bool btVolumetricSolver<Base>::findDeflected(btScalar step
 	for (State& state : m_before)
 	{
 		btISTContact& contact = *state.contact;
-		ist::Twist motion[2];
-		const ist::Twist* solved[2] = {};
-		for (int side = 0; side < 2; ++side)
-		{
-			auto* object = const_cast<btCollisionObject*>(side == 0 ? contact.bodyA : contact.bodyB);
-			const btSolverBody& body = this->m_tmpSolverBodyPool[this->getOrInitSolverBody(*object, step)];
-			if (!btSolverBodyMotion::canMove(body)) continue;
-			motion[side] = btSolverBodyMotion::twist(body);
-			solved[side] = &motion[side];
-		}
-		if (!m_store->motionProbe()->findDeeper(contact, solved[0], solved[1], double(step))) continue;
+		const Solved motion = solved(contact, step);
+		if (!m_store->motionProbe()->findDeeper(contact, motion.of(0), motion.of(1), double(step))) continue;
 		m_islands.keep(contact);
 		state.constants = contact.constants;
 		state.forceError = contact.error.force;
 		found = true;
 	}
 	return found;
+}
+
+/// Lets islands whose solution still brings bodies deep into each other move only until then.
+template <class Base> void btVolumetricSolver<Base>::holdDeflected(btScalar step)
+{
+	for (const State& state : m_before)
+	{
+		const Solved motion = solved(*state.contact, step);
+		const double time = m_store->motionProbe()->timeUntilDeep(*state.contact, motion.of(0), motion.of(1), double(step));
+		if (!(time < double(step))) continue;
+		for (int side = 0; side < 2; ++side)
+			if (motion.moves[side]) m_islands.hold(motion.body[side], std::max(time, kLeastOfStep * double(step)));
+	}
 }
 
 /// Bullet's iterations, and all of the solve again where its result would bring bodies deep into each other. Nothing has been written into
@@ -257,13 +276,15 @@ btScalar btVolumetricSolver<Base>::solveGroupCacheFriendlyIterations(btCollision
 	if (m_ours.empty() || !m_store->motionProbe()) return residual;
 	if constexpr (kHasLinks)
 		if (std::any_of(bodies, bodies + bodyCount, linkOf)) return residual;  // the iterations have changed their multibodies
-	for (int i = 0; i < kMostRepetitions && findDeflected(info.m_timeStep); ++i)
+	int repetitions = 0;
+	for (; repetitions < kMostRepetitions && findDeflected(info.m_timeStep); ++repetitions)
 	{
 		restoreState();
 		this->solveGroupCacheFriendlySetup(bodies, bodyCount, manifolds, manifoldCount, constraints, constraintCount, info, debugDrawer);
 		residual = Base::solveGroupCacheFriendlyIterations(
 			bodies, bodyCount, manifolds, manifoldCount, constraints, constraintCount, info, debugDrawer);
 	}
+	if (repetitions == kMostRepetitions) holdDeflected(info.m_timeStep);
 	return residual;
 }
 

@@ -61,6 +61,15 @@ private:
 		btISTStiffnessGrowth growth;
 		double forceError;
 	};
+	/// The bodies of a contact as they are in the pool, and their twists by the present solution.
+	struct Solved
+	{
+		int body[2];
+		bool moves[2];
+		ist::Twist twist[2];
+
+		const ist::Twist* of(int side) const { return moves[side] ? &twist[side] : nullptr; }
+	};
 	static constexpr bool kHasLinks = std::is_base_of_v<btMultiBodyConstraintSolver, Base>;
 
 	btISTContact* volumetricContact(const btPersistentManifold* manifold);
@@ -70,7 +79,9 @@ private:
 	void collectTouchedBodies();
 	void keepState();
 	void restoreState();
+	Solved solved(const btISTContact& contact, btScalar step);
 	bool findDeflected(btScalar step);
+	void holdDeflected(btScalar step);
 	void visitLoadedRows();
 
 	std::shared_ptr<btISTContactStore> m_store;

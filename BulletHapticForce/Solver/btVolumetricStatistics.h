@@ -14,6 +14,8 @@ struct btVolumetricStatistics
 	uint64_t frictionNotConverged = 0;  ///< block solves whose friction sweeps ended before the impulses converged
 	uint64_t blocksNotFactorised = 0;   ///< block solves that exerted nothing, because of input that is not finite
 	uint64_t solvedAgain = 0;           ///< solves that were repeated, because deflected bodies would have gone deep into others
+	/// bodies that moved for a part of a step only, because it brought two of their island deep into each other however often it was solved
+	uint64_t bodiesHeld = 0;
 	/// contacts whose impulses were reduced, because they would have returned more energy than was stored
 	uint64_t contactsHeldToEnergyTank = 0;
 	/// contacts whose force has reversed since the step before: one body was pushed, or fell, through the other

@@ -184,6 +184,8 @@ public:
 	/// the sums of a pose on the way, with `ahead` and the constants, and returns true. Otherwise only `touchMissed` may change. The
 	/// motions are twists of the centres of mass [World]; null for a body that the solver does not move. No allocation.
 	virtual bool findDeeper(btISTContact& contact, const ist::Twist* motionA, const ist::Twist* motionB, double step) = 0;
+	/// Time [s] after which this motion has taken the two bodies that deep into each other; `step` if it does not. No allocation.
+	virtual double timeUntilDeep(const btISTContact& contact, const ist::Twist* motionA, const ist::Twist* motionB, double step) = 0;
 
 protected:
 	~btISTMotionProbe() = default;

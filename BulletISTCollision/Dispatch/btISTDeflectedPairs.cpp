@@ -16,9 +16,25 @@ constexpr double kSound = 0.4;
 constexpr double kCorner = 3;  // largest depth of a corner over its mean depth
 /// Error of a foretold force, as a share of it, up to which a solution stands.
 constexpr double kForetold = 0.3;
+/// Depth up to which a foretold solution stands where the stiffness follows the load, as such a share.
+constexpr double kTolerated = 0.07;
+
+/// Whether the sums of the contact foretell those of the pose of `later` to first order, as the solver has supposed. Where its stiffness
+/// was set, the solution then is what was asked for, however deep; else it is good enough where it is not far beyond a touch.
+bool isForetold(const btISTContact& contact, const btISTContact& later)
+{
+	if (contact.patchCount == 0) return false;
+	if (contact.constants.load > 0 && btISTFirstTouch::meanDepthOf(later) > kTolerated * contact.thickness()) return false;
+	ist::OverlapIntegrals total = contact.total;
+	ist::moveB(total, ist::motionOfB(contact.X_AB, later.X_AB, contact.treeA->origin));
+	const ist::PressurePair weights{1, contact.constants.weightA, contact.constants.weightB};
+	const ist::Vec3 force = ist::pressureWrench(later.total, weights).force;
+	return distance(ist::pressureWrench(total, weights).force, force) < kForetold * norm(force);
+}
+}  // namespace
 
 /// The motion, and what it has more than the free one.
-struct Deflected
+struct btISTDeflectedPairs::Deflected
 {
 	btISTBodyMotion motion, change;
 
@@ -32,47 +48,62 @@ struct Deflected
 	}
 };
 
-/// Whether the stiffness of the contact was set, and its sums foretell those of the pose of `later` to first order, as the solver has
-/// supposed. The solution then is what was asked for, however deep.
-bool isForetold(const btISTContact& contact, const btISTContact& later)
+/// How a pair is asked.
+struct btISTDeflectedPairs::Query
 {
-	if (contact.patchCount == 0 || contact.constants.load > 0) return false;
-	ist::OverlapIntegrals total = contact.total;
-	ist::moveB(total, ist::motionOfB(contact.X_AB, later.X_AB, contact.treeA->origin));
-	const ist::PressurePair weights{1, contact.constants.weightA, contact.constants.weightB};
-	const ist::Vec3 force = ist::pressureWrench(later.total, weights).force;
-	return distance(ist::pressureWrench(total, weights).force, force) < kForetold * norm(force);
-}
-}  // namespace
+	btISTShapeField field;
+	btISTPairQuery query;
 
-bool btISTDeflectedPairs::findDeeper(btISTContact& contact, const ist::Twist* motionA, const ist::Twist* motionB, double step)
+	Query(const btISTContact& contact, const btISTContext& context)
+		: field(contact.treeB ? btISTShapeField() : btISTShapeField(contact.shapeB)),
+		  query(field, context.rules, true, context.store.sumsDamping())
+	{}
+};
+
+/// Looks along the motion for a pose in which the two bodies are deeper by more than a touch, and asks the context's spare contact there. A
+/// contact that presses already is asked for a depth of up to `mostOfKnown`, a share of the thickness.
+bool btISTDeflectedPairs::look(const btISTContact& contact, const Deflected& a, const Deflected& b, double mostOfKnown, double step)
 {
-	const Deflected a(contact.bodyA, motionA, step), b(contact.bodyB, motionB, step);
+	btISTContact& later = m_context.later;
+	later.touchMissed = contact.touchMissed;
 	// No place comes deeper than the deepest one by more than the bodies move, and at most that one is three mean depths deep, at a corner.
 	const double least = std::max(btISTFirstTouch::kWorthLooking * contact.thickness(),
-		btISTFirstTouch::kShallow * contact.thickness() - kCorner * btISTFirstTouch::meanDepthOf(contact));
+		btISTFirstTouch::kShallow * contact.thickness() - (kCorner - 1) * btISTFirstTouch::meanDepthOf(contact));
 	const double way = btISTFirstTouch::travel(contact, a.motion, b.motion, step);
 	if (!(way > least) || !std::isfinite(way)) return false;
 	const bool isKnown = contact.patchCount > 0;
 	if (!isKnown && !(btISTFirstTouch::travel(contact, a.change, b.change, step) > least)) return false;
 
-	const btISTShapeField field = contact.treeB ? btISTShapeField() : btISTShapeField(contact.shapeB);
-	const btISTPairQuery query(field, m_context.rules, true, m_context.store.sumsDamping());
-	btISTContact& later = m_context.later;
+	const Query pair(contact, m_context);
 	later = contact;
 	later.X_WA = contact.startX_WA;
 	later.X_AB = contact.startX_AB;
 	later.ahead = 0;
-	if (contact.ahead > 0) query.queryAt(later, m_context.workspace);
-	const bool found = btISTFirstTouch(query, a.motion, b.motion, step)
-						   .moveDeeper(later, isKnown ? kSound : btISTFirstTouch::kShallow, m_context.workspace);
-	const bool isNews = found && !isForetold(contact, later);
+	if (contact.ahead > 0) pair.query.queryAt(later, m_context.workspace);
+	const double most = isKnown ? mostOfKnown : btISTFirstTouch::kShallow;
+	const btISTFirstTouch touch(pair.query, a.motion, b.motion, step);
+	return touch.moveDeeper(later, most, m_context.workspace) && !isForetold(contact, later);
+}
+
+void btISTDeflectedPairs::forgetLook()
+{
+	m_context.later.treeA.reset();
+	m_context.later.treeB.reset();
+	m_context.later.memory.reset();
+}
+
+bool btISTDeflectedPairs::findDeeper(btISTContact& contact, const ist::Twist* motionA, const ist::Twist* motionB, double step)
+{
+	const Deflected a(contact.bodyA, motionA, step), b(contact.bodyB, motionB, step);
+	const bool isNews = look(contact, a, b, kSound, step);
+	btISTContact& later = m_context.later;
 	if (later.touchMissed && !contact.touchMissed) m_context.store.countMissedTouch();
 	contact.touchMissed = later.touchMissed;
 	if (isNews)
 	{
 		later.constants = m_context.rule->decide(later, later.bodyA, later.bodyB);
-		if (query.lacksDamping(later)) query.queryAt(later, m_context.workspace);
+		const Query pair(contact, m_context);
+		if (pair.query.lacksDamping(later)) pair.query.queryAt(later, m_context.workspace);
 		btISTPairQuery::copyAnswer(later, contact);
 		contact.X_AB = later.X_AB;
 		contact.X_WA = later.X_WA;
@@ -82,8 +113,14 @@ bool btISTDeflectedPairs::findDeeper(btISTContact& contact, const ist::Twist* mo
 		contact.supposedB = b.change.twist;
 		btISTPairQuery::judge(contact);
 	}
-	later.treeA.reset();
-	later.treeB.reset();
-	later.memory.reset();
+	forgetLook();
 	return isNews;
+}
+
+double btISTDeflectedPairs::timeUntilDeep(const btISTContact& contact, const ist::Twist* motionA, const ist::Twist* motionB, double step)
+{
+	const Deflected a(contact.bodyA, motionA, step), b(contact.bodyB, motionB, step);
+	const double time = look(contact, a, b, btISTFirstTouch::kShallow, step) ? m_context.later.ahead : step;
+	forgetLook();
+	return time;
 }

@@ -301,6 +301,73 @@ TEST(DefaultContact, ABodyThatIsDeflectedPassesNothing)
 	EXPECT_GT(deflected, 20);
 }
 
+// Two bodies of random shapes in random poses hit each other, with and without spin. Those with holes and hooks meet several times in a
+// step. Before bodies were held where no solve keeps them apart, and turned as far as Bullet turns them, 10 and 5 of 120 such impacts at 5
+// m/s with spins were deeper than a quarter and a half.
+TEST(DefaultContact, NoImpactOfTwoBodiesIsDeep)
+{
+	std::vector<Solid> solids;
+	for (const ist::Mesh& mesh : {ist::makeBoxMesh({.04, .03, .02}), ist::makeBoxMesh({.08, .006, .02}), ist::makeBoxMesh({.1, .005, .005}),
+			 ist::makeBoxMesh({.3, .01, .3}), ist::makeCylinderMesh(.02, .06), ist::makeConeMesh(.04, .08), ist::makeCapsuleMesh(.02, .04),
+			 ist::makeTetrahedronMesh(.1), ist::makeTorusMesh(.04, .01, 48, 24), ist::makeTorusKnotMesh(.05, .02, .01, 2, 3, 200, 16)})
+		solids.emplace_back(mesh, 300);
+	constexpr double kRate = 60;
+	int hits = 0, quarter = 0, half = 0;
+	uint64_t held = 0;
+	for (int i = 0; i < 100; ++i)
+	{
+		std::mt19937 random{unsigned(i)};
+		std::uniform_real_distribution<double> u(-1, 1);
+		const auto some = [&] { return Vec3{u(random), u(random), u(random)}; };
+		const auto reach = [](const Solid& solid) {
+			double most = 0;
+			for (const Vec3& p : solid.mesh.vertices) most = std::max(most, norm(p));
+			return most;
+		};
+		const Solid &a = solids[random() % solids.size()], &b = solids[random() % solids.size()];
+		const double speed = i % 2 ? 5 : 20, spin = i % 4 == 1 ? 30 : 0, sizes = reach(a) + reach(b);
+		Scene scene;
+		scene.world.setGravity(btVector3(0, 0, 0));
+		scene.world.setLog([](const char*) {});
+		const auto add = [&](const Solid& solid, const Vec3& place) {
+			const double mass = 1000 * solid.tree->volume;
+			btRigidBody* body = scene.add(scene.volumetricShape(solid), mass, 1, at(place, 3 * some()));
+			const ist::Mat3& I = solid.tree->inertia;
+			body->setMassProps(btScalar(mass), vec(1000 * Vec3{I.m[0][0], I.m[1][1], I.m[2][2]}));
+			body->updateInertiaTensor();
+			body->setAngularVelocity(vec(spin * some()));
+			return body;
+		};
+		const auto energy = [](const btRigidBody* body) {
+			const btVector3 w = body->getWorldTransform().getBasis().transpose() * body->getAngularVelocity();
+			return .5 * body->getMass() * double(body->getLinearVelocity().length2()) + .5 * double((w * w).dot(body->getLocalInertia()));
+		};
+		const Vec3 place = 10 * some(), way = normalized(some()), side = some();
+		const double gap = speed / kRate * (1.5 + .5 * u(random));
+		btRigidBody* still = add(b, place);
+		btRigidBody* fast = add(a, place - (sizes + gap) * way + .3 * sizes * (side - dot(side, way) * way));
+		fast->setLinearVelocity(vec(speed * way));
+		const double before = energy(still) + energy(fast);
+		double most = 0;
+		for (int step = 0; step < kRate * (2 * (sizes + gap) / speed + .15); ++step)
+		{
+			scene.step(1 / kRate);
+			for (const btISTContact* c : scene.world.contacts().contacts())
+				if (c->patchCount > 0 && !(c->ahead > 0)) most = std::max(most, c->depth / c->thickness());
+			EXPECT_LT(energy(still) + energy(fast), before * (1 + 1e-4)) << i;
+		}
+		hits += norm(vec(fast->getLinearVelocity()) - speed * way) > .01 * speed;
+		quarter += most > .25;
+		half += most > .5;
+		held += scene.world.statistics().bodiesHeld;
+	}
+	EXPECT_GT(hits, 80);
+	EXPECT_LE(quarter, 2) << "of " << hits;
+	EXPECT_LE(half, 1) << "of " << hits;
+	EXPECT_GT(held, 0u);
+	EXPECT_LT(held, 40u);
+}
+
 // Ten rings are poured from up to 1.2 m. At 60 Hz some go on moving for a while, none deep in another (docs/stability.md). Impacts take few
 // deep into each other: before steps were solved again for rings that others deflect, 66 contacts were deep in the mean of bins at 60 Hz.
 TEST(DefaultContact, RingsThatArePouredIntoABinComeToRest)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/Solver/btCompensatedPoses.h"
+#include "BulletISTCollision/PairQuery/btISTFirstTouch.h"
 #include "BulletISTCollision/Registry/btISTConversion.h"
 #include "tests/unit/CountingAllocator.h"
 
@@ -37,6 +38,28 @@ struct Drifting
 	ist::Pose pose() const { return toPose(body.getWorldTransform()); }
 };
 }  // namespace
+
+// Bullet then takes the body to where the motion of the step has taken it before that.
+TEST(btCompensatedPoses, ABodyMovesForThePartOfAStepThatIsNotTakenBack)
+{
+	for (const double spin : {3., 30., 300.})
+	{
+		Drifting scene({1, -2, 3});
+		const double step = double(btScalar(kStep));
+		const ist::Twist twist{{4, 1, -7}, {0.6 * spin, -0.8 * spin, 0}};
+		scene.body.setLinearVelocity(toBullet(twist.linear));
+		scene.body.setAngularVelocity(toBullet(twist.angular));
+		const ist::Pose before = scene.pose();
+		const ist::Pose wanted = btISTBodyMotion{before.translation, {}}.with(twist, step).after(0.3 * step, before);
+		scene.poses.recall(scene.body, scene.step);
+		scene.poses.takeBack(scene.body, 0.7 * step, step, scene.step);
+		scene.integrate();
+		EXPECT_LT(distance(scene.pose().translation, wanted.translation), 20 * kEpsilon);
+		for (const ist::Vec3& axis : {ist::Vec3{1, 0, 0}, ist::Vec3{0, 1, 0}})
+			EXPECT_LT(distance(scene.pose().rotation * axis, wanted.rotation * axis), 40 * kEpsilon) << spin;
+		EXPECT_EQ(double(scene.body.getLinearVelocity().y()), 1);
+	}
+}
 
 // The motion is 1 % of a rounding a step, so that the body of Bullet alone never moves.
 TEST(btCompensatedPoses, MotionsFarBelowARoundingArrive)
