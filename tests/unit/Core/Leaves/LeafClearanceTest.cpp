@@ -128,7 +128,7 @@ TEST(LeafClearance, BodiesWithSurfacesAdvanceByItWithoutContact)
 }
 
 // A large face fills little of the ball around it.
-TEST(LeafClearance, OfALargeFlatFaceIsTheDistance)
+TEST(LeafClearance, OfALargeFlatFaceIsNotThatOfItsBall)
 {
 	BuildOptions options;
 	options.maxSpheres = 200;
@@ -145,7 +145,8 @@ TEST(LeafClearance, OfALargeFlatFaceIsTheDistance)
 			if (!first) X = inverse(X);
 			const double bound = leafClearance(first ? plate : ball, first ? ball : plate, X, kMostOpenedForClearance);
 			EXPECT_LT(bound, apart + 1e-3);                 // the ball's facets are flat
-			EXPECT_GT(bound, 0.8 * apart - 0.01) << apart;  // the elements of the ball are some 10 mm large
+			// The elements of the ball are some 10 mm large. What is outside of the ball around a face has the distance from that.
+			EXPECT_GT(bound, 0.3 * apart - 0.01) << apart;
 		}
 	}
 }
