@@ -329,38 +329,39 @@ void btVolumetricIslands::hold(int body, double time)
 	moves = std::min(moves, time);
 }
 
-/// Notes the bodies of islands that do not move for the whole step.
-void btVolumetricIslands::noteHeld(const btSolverBody* bodies)
+namespace
+{
+/// Takes from the body's speed what its weight and other forces of the step have given it in the last `time` [s]: it does not move then, so
+/// they do no work. A body at rest stays at rest. Returns the change of its energy [J].
+double takeBackWork(btSolverBody& body, double time, double step)
+{
+	const ist::Vec3 v = twist(body).linear, given = time / step * toVec3(body.m_externalForceImpulse);
+	if (!(squaredNorm(v) > 0)) return 0;
+	const ist::Vec3 impulse = -massOf(body) * std::clamp(dot(given, v) / squaredNorm(v), -1.0, 1.0) * v;
+	applyImpulse(body, {impulse, {}}, toVec3(body.getWorldTransform().getOrigin()));
+	return 0.5 * dot(impulse, v + twist(body).linear);
+}
+}  // namespace
+
+/// Notes the bodies of islands that do not move for the whole step. The change of their energy counts as work of a contact.
+void btVolumetricIslands::holdBodies(btSolverBody* bodies)
 {
 	if (std::none_of(m_islands.begin(), m_islands.end(), [&](const Island& island) { return island.moves < m_step; })) return;
 	for (int body = 0; body < int(m_parent.size()); ++body)
 	{
 		const int index = canMove(bodies[body]) ? m_islandOfRoot[size_t(rootOf(body))] : -1;
 		if (index < 0 || !(m_islands[size_t(index)].moves < m_step)) continue;
-		m_held.emplace_back(bodies[body].m_originalBody, m_step - m_islands[size_t(index)].moves);
+		const Island& island = m_islands[size_t(index)];
+		m_held.emplace_back(bodies[body].m_originalBody, m_step - island.moves);
+		m_entries[size_t(island.first)].contact->work.elastic += takeBackWork(bodies[body], m_step - island.moves, m_step);
 		++m_statistics.bodiesHeld;
 	}
 }
-
-namespace
-{
-/// Takes from the body's speed what its weight and other forces of the step have given it in the last `time` [s]: it has not moved then, so
-/// they have done no work. A body at rest stays at rest.
-void takeBackWork(btRigidBody& body, double time)
-{
-	const ist::Vec3 v = toVec3(body.getLinearVelocity());
-	const ist::Vec3 acceleration = double(body.getInvMass()) * toVec3(body.getTotalForce() * body.getLinearFactor());
-	if (!(squaredNorm(v) > 0)) return;
-	const double share = std::clamp(time * dot(acceleration, v) / squaredNorm(v), -1.0, 1.0);
-	body.setLinearVelocity(toBullet((1 - share) * v));
-}
-}  // namespace
 
 void btVolumetricIslands::settlePoses()
 {
 	for (const auto& [body, time] : m_held)
 	{
-		takeBackWork(*body, time);
 		(void)m_unrounded.recall(*body, m_stepNumber);
 		m_unrounded.takeBack(*body, time, m_step, m_stepNumber);
 		m_unrounded.settle(*body, m_step, m_stepNumber);
@@ -535,7 +536,6 @@ double btVolumetricIslands::iterate(btSolverBody* bodies, int iteration)
 
 void btVolumetricIslands::finish(btSolverBody* bodies)
 {
-	noteHeld(bodies);
 	for (const Island& island : m_islands)
 	{
 		holdToEnergyTanks(island, bodies);
@@ -562,4 +562,5 @@ void btVolumetricIslands::finish(btSolverBody* bodies)
 			for (size_t i = first; i < first + size_t(count); ++i) sum += m_entries[i].normalImpulse * m_entries[i].patch.normal;
 			notePressed(*m_entries[first].contact, sum, m_step);
 		});
+	holdBodies(bodies);
 }

@@ -128,7 +128,7 @@ private:
 	void waitForTouch(const btSolverBody* bodies);
 	void leaveOutRolling(const btSolverBody* bodies);
 	static void centre(Entry& e, const btSolverBody* bodies, double speed);
-	void noteHeld(const btSolverBody* bodies);
+	void holdBodies(btSolverBody* bodies);
 	void displaceByRounding(const btSolverBody* bodies);
 	void openEnergyTanks(const btSolverBody* bodies);
 	static bool fitsBlock(const Island& island);

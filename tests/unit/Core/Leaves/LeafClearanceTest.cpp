@@ -144,7 +144,7 @@ TEST(LeafClearance, OfALargeFlatFaceIsNotThatOfItsBall)
 			Pose X{rotationMatrix(quaternionFromRotationVector(randomVector(random, 3))), {place.x, 0.02 + 0.05 + apart, place.z}};
 			if (!first) X = inverse(X);
 			const double bound = leafClearance(first ? plate : ball, first ? ball : plate, X, kMostOpenedForClearance);
-			EXPECT_LT(bound, apart + 1e-3);                 // the ball's facets are flat
+			EXPECT_LT(bound, apart + 1e-3);  // the ball's facets are flat
 			// The elements of the ball are some 10 mm large. What is outside of the ball around a face has the distance from that.
 			EXPECT_GT(bound, 0.3 * apart - 0.01) << apart;
 		}
