@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Query/LeafClearance.h"
 
-#include "BulletISTCollision/Core/Distance/MeshDistance.h"
 #include "BulletISTCollision/Core/Query/PlanarBody.h"
 #include "BulletISTCollision/Core/Tree/TreePose.h"
 
@@ -105,11 +104,22 @@ struct FlatPiece
 	Vec3 center, e1, e2, normal;
 	bool isTriangle;
 
+	/// Lower bound of the distance: exact but beyond the corners, where it is that of the nearer edge's line.
 	double distanceTo(const Vec3& p) const
 	{
-		const Vec3 corner = isTriangle ? center : center - e1 - e2, a = isTriangle ? e1 : 2 * e1, b = isTriangle ? e2 : 2 * e2;
-		const double nearer = distance(p, closestPointOnTriangle(p, corner, corner + a, corner + b));
-		return isTriangle ? nearer : std::min(nearer, distance(p, closestPointOnTriangle(p, corner + a + b, corner + a, corner + b)));
+		const Vec3 q = p - center;
+		double outside = 0;
+		const auto beyond = [&](const Vec3& along, const Vec3& from, const Vec3& inside) {
+			const Vec3 u = normalized(cross(along, normal));
+			const double side = dot(u, q - from);
+			if (isTriangle) outside = std::max(outside, dot(u, inside - from) > 0 ? -side : side);
+			else outside = std::max(outside, std::fabs(dot(u, q)) - std::fabs(dot(u, inside)));
+		};
+		beyond(e1, {}, e2);
+		beyond(e2, {}, e1);
+		if (isTriangle) beyond(e2 - e1, e1, {});
+		const double above = dot(normal, q);
+		return std::sqrt(above * above + outside * outside);
 	}
 	/// Largest projection on the direction.
 	double reach(const Vec3& u) const
