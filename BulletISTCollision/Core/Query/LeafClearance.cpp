@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <new>
+#include <optional>
 #include <type_traits>
 
 namespace ist
@@ -163,18 +164,19 @@ double surfaceClearance(const ContactSurface& A, const ContactSurface& B, const 
 		const SurfaceBall ball = ballOf(node);
 		return SurfaceBall{ball.child, X * ball.center, ball.r * (1 + kStretch)};
 	};
-	const auto flatElement = [](const ContactSurface& surface, const SurfaceBall& ball) -> const SurfaceElement* {
-		const SurfaceElement* element = ball.isElement() ? &surface.elements[ball.child & ~SurfaceNode::kElement] : nullptr;
-		return element && isFlat(*element) ? element : nullptr;
+	const auto flatPiece = [](const ContactSurface& surface, const SurfaceBall& ball, const Pose& X_AS) -> std::optional<FlatPiece> {
+		if (!ball.isElement()) return std::nullopt;
+		const SurfaceElement& element = surface.elements[ball.child & ~SurfaceNode::kElement];
+		return isFlat(element) ? std::optional(pieceOf(element, X_AS)) : std::nullopt;
 	};
 	// Large flat elements fill little of their balls.
 	const auto gapOf = [&](const SurfaceBallPair& pair) {
 		double largest = gap(pair.a, pair.b);
 		if (largest > 0) return largest;
-		const SurfaceElement *a = flatElement(A, pair.a), *b = flatElement(B, pair.b);
-		if (a) largest = std::max(largest, gapOfBall(pieceOf(*a, {}), pair.b));
-		if (b) largest = std::max(largest, gapOfBall(pieceOf(*b, X), pair.a));
-		if (a && b) largest = std::max(largest, gapOfPieces(pieceOf(*a, {}), pieceOf(*b, X)));
+		const std::optional<FlatPiece> a = flatPiece(A, pair.a, {}), b = flatPiece(B, pair.b, X);
+		if (a) largest = std::max(largest, gapOfBall(*a, pair.b));
+		if (b) largest = std::max(largest, gapOfBall(*b, pair.a));
+		if (a && b) largest = std::max(largest, gapOfPieces(*a, *b));
 		return largest;
 	};
 	const auto expand = [&](const SurfaceBallPair& pair, const auto& keep) {
