@@ -169,19 +169,19 @@ bool btISTFirstTouch::moveDeeper(btISTContact& contact, double most, ist::QueryW
 	const double far = meanDepthOf(contact) + kShallow * thickness, deep = std::max(most * thickness, far);
 	const ist::Pose X_WA = contact.X_WA, X_WB = poseOfB(contact);
 	double before = 0, time = 0, deepest = 0, beforeDeepest = 0, timeDeepest = 0;
-	bool found = false, missed = false;
+	bool missed = false;
 	for (int queries = 0; time < m_step && !(meanDepthOf(contact) > deep); ++queries)
 	{
 		const bool apart = contact.patchCount == 0;
 		const double known = apart ? m_query.clearanceAt(contact) : 0, left = way * (1 - time / m_step);
-		if ((apart && found) || known >= left) break;
+		if ((apart && deepest > far) || known >= left) break;
 		before = time;
 		time = std::min(time + m_step * stride(known, left, queries, thickness, missed) / way, m_step);
 		moveTo(time, X_WA, X_WB, contact, workspace);
 		const double depth = meanDepthOf(contact);
-		found = found || depth > far;
 		if (depth > deepest) deepest = depth, beforeDeepest = before, timeDeepest = time;
 	}
+	const bool found = deepest > far;
 	contact.touchMissed = contact.touchMissed || (missed && !found);
 	if (!found) return false;
 	// What has passed a thin place is apart again, or nearly so.
