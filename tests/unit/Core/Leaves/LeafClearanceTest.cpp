@@ -151,6 +151,34 @@ TEST(LeafClearance, OfALargeFlatFaceIsNotThatOfItsBall)
 	}
 }
 
+// The faces of boxes and tetrahedra are single elements: parallelograms and triangles.
+TEST(LeafClearance, FlatBodiesAdvanceByItWithoutContact)
+{
+	std::mt19937 random(9);
+	BuildOptions options;
+	options.maxSpheres = 200;
+	const InnerSphereTree bodies[] = {buildTree(makeTetrahedronMesh(1), options).value(),
+		buildTree(makeBoxMesh({0.6, 0.03, 0.5}), options).value(), buildTree(makeSphereMesh(0.1, 3), options).value()};
+	QueryWorkspace workspace;
+	int advanced = 0;
+	for (int trial = 0; trial < 300; ++trial)
+	{
+		const InnerSphereTree &A = bodies[trial % 2], &B = bodies[trial / 2 % 3];
+		const Vec3 way = normalized(randomVector(random, 1));
+		Pose X{rotationMatrix(quaternionFromRotationVector(randomVector(random, 3))), {}};
+		X.translation = A.origin + 2 * way + randomVector(random, 0.4) - X.rotation * B.origin;
+		for (int i = 0; i < 60; ++i)
+		{
+			const double clearance = leafClearance(A, B, X, kMostOpenedForClearance);
+			if (!(clearance > 1e-4)) break;
+			X.translation = X.translation - 0.999 * clearance * way;
+			++advanced;
+			ASSERT_EQ(queryOverlap(A, B, X, workspace).total.volume, 0) << trial << ", " << i;
+		}
+	}
+	EXPECT_GT(advanced, 1000);
+}
+
 TEST(LeafClearance, OfASphereIsItsDistanceFromTheNearestBall)
 {
 	std::mt19937 random(3);
