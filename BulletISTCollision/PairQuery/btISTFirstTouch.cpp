@@ -166,7 +166,8 @@ double btISTFirstTouch::stride(double known, double left, int queries, double th
 bool btISTFirstTouch::moveDeeper(btISTContact& contact, double most, ist::QueryWorkspace& workspace) const
 {
 	const double way = travel(contact), thickness = contact.thickness();
-	const double far = meanDepthOf(contact) + kShallow * thickness, deep = std::max(most * thickness, far);
+	const double present = meanDepthOf(contact), touch = kShallow * thickness;
+	const double far = contact.constants.load > 0 ? present + touch : std::max(touch, 2 * present), deep = std::max(most * thickness, far);
 	const ist::Pose X_WA = contact.X_WA, X_WB = poseOfB(contact);
 	double before = 0, time = 0, deepest = 0, beforeDeepest = 0, timeDeepest = 0;
 	bool missed = false;

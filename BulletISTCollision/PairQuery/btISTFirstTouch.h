@@ -50,7 +50,8 @@ public:
 	/// For a contact at the poses as the step began, with or without overlap. If the motion takes the bodies deeper into each other by more
 	/// than kShallow, gives the contact the sums of the last pose on the way that is no deeper than `most`, a share of the thinner body's
 	/// thickness. It sets `ahead` and X_WA as `find` does, and returns true. Otherwise the sums are those of another pose. Sets
-	/// `touchMissed` where kMostQueries did not suffice and nothing was found.
+	/// `touchMissed` where kMostQueries did not suffice and nothing was found. Contact whose stiffness was set is as deep as that lets it
+	/// be: it counts as deeper where the motion makes it more than twice as deep.
 	bool moveDeeper(btISTContact& contact, double most, ist::QueryWorkspace& workspace) const;
 
 	/// Upper bound of the motion of any point of one body relative to the other until it touches the other in the step [m]. Zero if no

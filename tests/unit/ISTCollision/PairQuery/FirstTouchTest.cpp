@@ -163,3 +163,31 @@ TEST(btISTFirstTouch, FindsWhatPassesThroughACornerWithinAStep)
 		EXPECT_GT(btISTFirstTouch::meanDepthOf(contact), btISTFirstTouch::kShallow * thickness);
 	}
 }
+
+// Where contact may be as deep as its stiffness lets it be, it is deeper only beyond twice its depth; else already by more than a touch.
+TEST(btISTFirstTouch, ContactOfSetStiffnessCountsAsDeeperBeyondTwiceItsDepth)
+{
+	btCollisionObject objectA, objectB;
+	const btISTShapeField none;
+	const btISTQueryRules rules;
+	const btISTPairQuery query(none, rules, true, false);
+	QueryWorkspace workspace;
+	btISTContact start;
+	start.bodyA = &objectA;
+	start.bodyB = &objectB;
+	start.treeA = start.treeB = brick().tree;
+	const double thickness = start.thickness(), depth = 0.1 * thickness;
+	start.X_AB.translation = {0, 0.06 - depth, 0};
+	query.queryAt(start, workspace);
+	ASSERT_NEAR(btISTFirstTouch::meanDepthOf(start), depth, 0.02 * depth);
+	const Vec3 center = brick().tree->origin;
+	for (const bool followsLoad : {false, true})
+		for (const double deeper : {0.03, 0.08, 0.15})
+		{
+			btISTContact contact = start;
+			contact.constants.load = followsLoad ? 1 : 0;
+			const btISTBodyMotion still{center, {}}, moving{contact.X_AB * center, {{0, -deeper * thickness / kStep, 0}, {}}};
+			const bool isDeeper = btISTFirstTouch(query, still, moving, kStep).moveDeeper(contact, 0.4, workspace);
+			EXPECT_EQ(isDeeper, deeper > (followsLoad ? 0.05 : 0.1)) << deeper << ' ' << followsLoad;
+		}
+}
