@@ -141,15 +141,19 @@ TEST(VerletListsOfAWorld, FindsWhatEachQueryWouldFindAndSearchesSeldom)
 
 TEST(VerletListsOfAWorld, BodiesMoveAsWithout)
 {
-	Row with(2, 16), without(1, 0);
+	Row with(1, 16), late(2, 16), without(1, 0);
 	for (int i = 0; i < 400; ++i)
 	{
 		with.step();
+		late.step();
 		without.step();
 	}
-	// The division of friction uses patches that are some steps old. Its effect is 1 % of the depth to which the cubes sink.
+	// The division of friction uses patches that are some steps old. Its effect is 1 % of the depth to which the cubes sink. A pair whose
+	// thread is late divides its friction anew in that step: up to 1.4 % in 100 runs with up to 16 threads.
 	EXPECT_LT(distanceBetween(with, without), 5e-4);
-	EXPECT_LT(double(with.world().statistics().contactsTurnedOver), 1);
+	EXPECT_LT(distanceBetween(late, without), 1.5e-3);
+	EXPECT_EQ(with.world().statistics().contactsTurnedOver, 0u);
+	EXPECT_EQ(late.world().statistics().contactsTurnedOver, 0u);
 }
 
 TEST(VerletListsOfAWorld, KeepingResultsOverStepsChangesAsLittle)
