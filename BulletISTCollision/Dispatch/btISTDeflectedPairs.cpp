@@ -82,7 +82,7 @@ bool btISTDeflectedPairs::look(const btISTContact& contact, const Deflected& a, 
 	if (contact.ahead > 0) pair.query.queryAt(later, m_context.workspace);
 	const double most = isKnown ? mostOfKnown : btISTFirstTouch::kShallow;
 	const btISTFirstTouch touch(pair.query, a.motion, b.motion, step);
-	return touch.moveDeeper(later, most, m_context.workspace) && !isForetold(contact, later);
+	return touch.moveDeeper(later, most, m_context.workspace);
 }
 
 void btISTDeflectedPairs::forgetLook()
@@ -95,7 +95,7 @@ void btISTDeflectedPairs::forgetLook()
 bool btISTDeflectedPairs::findDeeper(btISTContact& contact, const ist::Twist* motionA, const ist::Twist* motionB, double step)
 {
 	const Deflected a(contact.bodyA, motionA, step), b(contact.bodyB, motionB, step);
-	const bool isNews = look(contact, a, b, kSound, step);
+	const bool isNews = look(contact, a, b, kSound, step) && !isForetold(contact, m_context.later);
 	btISTContact& later = m_context.later;
 	if (later.touchMissed && !contact.touchMissed) m_context.store.countMissedTouch();
 	contact.touchMissed = later.touchMissed;
@@ -120,7 +120,10 @@ bool btISTDeflectedPairs::findDeeper(btISTContact& contact, const ist::Twist* mo
 double btISTDeflectedPairs::timeUntilDeep(const btISTContact& contact, const ist::Twist* motionA, const ist::Twist* motionB, double step)
 {
 	const Deflected a(contact.bodyA, motionA, step), b(contact.bodyB, motionB, step);
-	const double time = look(contact, a, b, btISTFirstTouch::kShallow, step) ? m_context.later.ahead : step;
+	// Whether that is foretold shows where it is deep, not where it begins to be.
+	const bool isDeep = look(contact, a, b, kSound, step) && !isForetold(contact, m_context.later) &&
+		look(contact, a, b, btISTFirstTouch::kShallow, step);
+	const double time = isDeep ? m_context.later.ahead : step;
 	forgetLook();
 	return time;
 }
