@@ -16,7 +16,8 @@
 /// Elastic part: backward Euler of the whole island, (I + R J^T S J R) z = R J^T (h w0 - S u), with the twists v = v_free + R z and S =
 /// h^2 K + h D. R is the square root of the inverse mass matrix. Immovable directions therefore need no special case, and no stiffness is
 /// inverted. The system is solved by an envelope Cholesky factorisation in reversed breadth-first order of the bodies (btEnvelopeFactor).
-/// Patches that would pull are removed, and the rest is solved again.
+/// Patches that would pull are removed, and the rest is solved again. A patch that has returned twice, because it would push after all, is
+/// then a point that pushes along its normal: what resists rotations too may fit neither side, and the search would never end.
 ///
 /// Joints: their rows are stiff dampers in the same factor, see btIslandJoints. Rows beyond their limits leave it in rounds of their own,
 /// each a factorisation and a substitution, before the friction is solved.
@@ -70,6 +71,10 @@ public:
 	bool frictionNotConverged() const { return m_frictionNotConverged; }
 	/// Number of changes of the set of pushing patches in the last solve.
 	int rounds() const { return m_rounds; }
+	/// True when the rounds of the last solve ended before that set was found. A patch that would push then exerts nothing.
+	bool activeSetNotFound() const { return m_activeSetNotFound; }
+	/// True for a patch that the last solve took for a point that pushes along its normal.
+	bool isPoint(int patch) const { return m_patches[size_t(patch)].returns > kReturnsOfWhole; }
 	double remainingChange() const { return m_remainingChange; }
 	/// Number of values within the envelope of the last factor, which one substitution reads.
 	int64_t envelopeEntries() const { return m_factor.entries(); }
@@ -77,6 +82,8 @@ public:
 	uint64_t products() const { return m_products + m_factor.products() - m_productsBefore; }
 
 private:
+	static constexpr int kReturnsOfWhole = 1;  // of a patch to the active set, before it returns as a point
+
 	struct Body
 	{
 		double root[36];  // square root of the inverse mass matrix, row major
@@ -97,6 +104,7 @@ private:
 		double elastic[6];
 		size_t response = 0;  // index of its response in m_response
 		bool active = true;
+		int returns = 0;  // to the active set, in this solve
 	};
 
 	void orderBodies();
@@ -126,6 +134,7 @@ private:
 	bool cutFriction(double tolerance, double share);
 	bool wouldPush(const Patch& patch);
 	bool changeActiveSet(int mayReturn);
+	static void makePoint(Patch& patch);
 	void relativeTwist(const Patch& patch, double* twist) const;
 	int placeOf(const Patch& p, int side) const { return m_bodies[size_t(p.body[side])].place; }
 	int firstPlace(const Patch& p) const;
@@ -146,7 +155,7 @@ private:
 	uint64_t m_products = 0, m_productsBefore = 0;
 	bool m_inverseKnown = false, m_hasFriction = false;
 	int m_sweeps = 0, m_rounds = 0;
-	bool m_frictionNotConverged = false;
+	bool m_frictionNotConverged = false, m_activeSetNotFound = false;
 	double m_remainingChange = 0;
 	bool m_frictionPrepared = false;
 };

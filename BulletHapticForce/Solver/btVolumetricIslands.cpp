@@ -481,6 +481,7 @@ double btVolumetricIslands::solve(Block& block, btSolverBody* bodies)
 	takeBackJoints(block, bodies);
 	if (!block.solver.solve(block.free.data())) ++m_statistics.blocksNotFactorised;
 	m_statistics.activeSetRounds += uint64_t(block.solver.rounds());
+	m_statistics.activeSetsNotFound += block.solver.activeSetNotFound();
 	m_statistics.frictionNotConverged += block.solver.frictionNotConverged();
 	// They are summed in double precision: those of patches that press against each other are larger than what they leave of each other.
 	std::fill(block.impulses.begin(), block.impulses.end(), ist::Wrench());

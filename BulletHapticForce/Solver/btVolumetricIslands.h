@@ -8,6 +8,7 @@
 
 #include "BulletDynamics/ConstraintSolver/btSolverConstraint.h"
 
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -95,7 +96,7 @@ private:
 		int first = -1, entryCount = 0, bodyCount = 0;
 		int firstJoint = -1;
 		bool touched = false;
-		double moves = 1e300;       // time of the step in which its bodies move [s]
+		double moves = std::numeric_limits<double>::infinity();  // time of the step in which its bodies move [s]
 		double weight = 0;          // weight of the bodies that have a gravity of their own [N]
 		double weightlessMass = 0;  // mass of the other bodies [kg]
 	};
