@@ -57,6 +57,7 @@ void btVolumetricIslands::clear()
 	m_joints.clear();
 	m_rows.clear();
 	m_lastingCount = 0;
+	m_heldToEnergyTanks = false;
 }
 
 bool btVolumetricIslands::isFinite(const btSolverBody& body)
@@ -537,11 +538,8 @@ double btVolumetricIslands::iterate(btSolverBody* bodies, int iteration)
 
 void btVolumetricIslands::finish(btSolverBody* bodies)
 {
-	for (const Island& island : m_islands)
-	{
-		holdToEnergyTanks(island, bodies);
-		enterWork(island, bodies);
-	}
+	holdToEnergyTanks(bodies);
+	for (const Island& island : m_islands) enterWork(island, bodies);
 	for (const Entry& e : m_entries) std::fill(std::begin(e.contact->tank.friction), std::end(e.contact->tank.friction), ist::Wrench());
 	for (const Entry& e : m_entries)
 	{

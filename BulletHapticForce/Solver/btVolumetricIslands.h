@@ -56,8 +56,10 @@ public:
 	double iterate(btSolverBody* bodies, int iteration);
 	/// Computes the change of each body's twist by all these patches. Other contacts may add theirs before `finish`.
 	std::vector<ist::Twist>& sumChanges(const btSolverBody* bodies);
-	/// Limits every contact to its energy tank (btContactEnergyTank.h), and writes the impulses into the contacts. Call it after
-	/// `sumChanges`.
+	/// Limits every contact to its energy tank (btContactEnergyTank.h): the bodies then have the motion of this solution. Call it after
+	/// `sumChanges`. A second call for the same solution does nothing.
+	void holdToEnergyTanks(btSolverBody* bodies);
+	/// Does so, and writes the impulses into the contacts. Call it after `sumChanges`.
 	void finish(btSolverBody* bodies);
 	/// Call this after Bullet has written the velocities into the bodies: see btCompensatedPoses.
 	void settlePoses();
@@ -177,6 +179,7 @@ private:
 	size_t m_lastingCount = 0;
 	std::vector<Row> m_rows;
 	std::vector<ist::Twist> m_change;  // change of each body's twist by all volumetric contacts
+	bool m_heldToEnergyTanks = false;
 	btCompensatedPoses m_unrounded;
 	std::vector<btRigidBody*> m_moved;
 	std::vector<std::pair<btRigidBody*, double>> m_held;  // with the time in which they do not move [s]

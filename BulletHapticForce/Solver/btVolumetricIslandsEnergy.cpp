@@ -136,6 +136,13 @@ void btVolumetricIslands::holdToEnergyTanks(const Island& island, btSolverBody* 
 	if (share < 1) forEachContact(island, [&](size_t first, int count) { hold(first, count, share); });
 }
 
+void btVolumetricIslands::holdToEnergyTanks(btSolverBody* bodies)
+{
+	if (m_heldToEnergyTanks) return;
+	m_heldToEnergyTanks = true;
+	for (const Island& island : m_islands) holdToEnergyTanks(island, bodies);
+}
+
 /// Enters the work of the island's contacts into their tanks. What one has returned beyond its own, the others pay.
 void btVolumetricIslands::enterWork(const Island& island, const btSolverBody* bodies)
 {

@@ -234,10 +234,18 @@ template <class Base> typename btVolumetricSolver<Base>::Solved btVolumetricSolv
 	return result;
 }
 
+/// Gives the bodies of the pool the motion that this solution will leave them.
+template <class Base> void btVolumetricSolver<Base>::completeSolution()
+{
+	m_islands.sumChanges(&this->m_tmpSolverBodyPool[0]);
+	m_islands.holdToEnergyTanks(&this->m_tmpSolverBodyPool[0]);
+}
+
 /// Whether the solution brings two bodies far into each other, because contacts have deflected them. Their contact then has other sums.
 template <class Base> bool btVolumetricSolver<Base>::findDeflected(btScalar step)
 {
 	bool found = false;
+	completeSolution();
 	for (State& state : m_before)
 	{
 		btISTContact& contact = *state.contact;
@@ -254,6 +262,7 @@ template <class Base> bool btVolumetricSolver<Base>::findDeflected(btScalar step
 /// Lets islands whose solution still brings bodies deep into each other move only until then.
 template <class Base> void btVolumetricSolver<Base>::holdDeflected(btScalar step)
 {
+	completeSolution();
 	for (const State& state : m_before)
 	{
 		const Solved motion = solved(*state.contact, step);

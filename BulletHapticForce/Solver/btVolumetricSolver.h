@@ -80,6 +80,7 @@ private:
 	void keepState();
 	void restoreState();
 	Solved solved(const btISTContact& contact, btScalar step);
+	void completeSolution();
 	bool findDeflected(btScalar step);
 	void holdDeflected(btScalar step);
 	void visitLoadedRows();

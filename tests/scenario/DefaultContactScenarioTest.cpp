@@ -312,7 +312,8 @@ TEST(DefaultContact, NoImpactOfTwoBodiesIsDeep)
 			 ist::makeTetrahedronMesh(.1), ist::makeTorusMesh(.04, .01, 48, 24), ist::makeTorusKnotMesh(.05, .02, .01, 2, 3, 200, 16)})
 		solids.emplace_back(mesh, 300);
 	constexpr double kRate = 60;
-	int hits = 0, quarter = 0, half = 0;
+	int hits = 0, quarter = 0;
+	double deepest = 0;
 	uint64_t held = 0;
 	for (int i = 0; i < 100; ++i)
 	{
@@ -358,12 +359,12 @@ TEST(DefaultContact, NoImpactOfTwoBodiesIsDeep)
 		}
 		hits += norm(vec(fast->getLinearVelocity()) - speed * way) > .01 * speed;
 		quarter += most > .25;
-		half += most > .5;
+		deepest = std::max(deepest, most);
 		held += scene.world.statistics().bodiesHeld;
 	}
 	EXPECT_GT(hits, 80);
-	EXPECT_LE(quarter, 2) << "of " << hits;
-	EXPECT_LE(half, 1) << "of " << hits;
+	EXPECT_LE(quarter, 1) << "of " << hits;
+	EXPECT_LT(deepest, .5) << "of " << hits;
 	EXPECT_GT(held, 0u);
 	EXPECT_LT(held, 40u);
 }
@@ -412,8 +413,8 @@ TEST(DefaultContact, RingsThatArePouredIntoABinComeToRest)
 		}
 }
 
-// Bodies of eight kinds, thin and pointed ones among them, that fall upon each other at up to 8 m/s. Impacts may be deep for a moment, but
-// all stay in the bin, and none stays caught in another one.
+// Bodies of eight kinds, thin and pointed ones among them, that fall upon each other at up to 8 m/s. Impacts may go a quarter deep for a
+// moment, but all stay in the bin, and none stays caught in another one.
 TEST(DefaultContact, MixedBodiesThatArePouredIntoABinStayApart)
 {
 	const Solid kinds[] = {{ist::makeBoxMesh({.04, .03, .02}), 500}, {ist::makeCylinderMesh(.02, .06), 500},
@@ -443,10 +444,15 @@ TEST(DefaultContact, MixedBodiesThatArePouredIntoABinStayApart)
 			bodies.push_back(scene.add(shapes[size_t(i % 8)], mass, inertia, at({.05 * x, .15 + .2 * i, .05 * z}, {3 * a, 3 * b, 3 * c})));
 		}
 		int deep = 0;
+		double deepest = 0;
 		const auto countDeep = [&] {
 			int count = 0;
 			for (const btISTContact* contact : scene.world.contacts().contacts())
-				count += contact->patchCount > 0 && !(contact->ahead > 0) && contact->isDeep();
+			{
+				if (contact->patchCount == 0 || contact->ahead > 0) continue;
+				count += contact->isDeep();
+				deepest = std::max(deepest, contact->depth / contact->thickness());
+			}
 			return count;
 		};
 		for (int step = 0; step < 3 * 60; ++step)
@@ -454,8 +460,12 @@ TEST(DefaultContact, MixedBodiesThatArePouredIntoABinStayApart)
 			scene.step(1. / 60);
 			deep += countDeep();
 		}
-		EXPECT_LT(deep, 80) << seed;
+		EXPECT_LT(deep, 20) << seed;
 		EXPECT_EQ(countDeep(), 0) << seed;
+		EXPECT_LT(deepest, 0.3) << seed;
+		// One in ten of the searches for the patches that push went round in circles once.
+		const btVolumetricStatistics& statistics = scene.world.statistics();
+		EXPECT_LT(100 * statistics.activeSetsNotFound, statistics.islands) << seed;
 		for (const btRigidBody* body : bodies)
 		{
 			const Vec3 p = vec(body->getWorldTransform().getOrigin());

@@ -142,6 +142,7 @@ struct Scene
 	Eigen::VectorXd denseImpulses(const std::vector<size_t>& active) const
 	{
 		const Eigen::Index n = Eigen::Index(6 * active.size());
+		if (n == 0) return {};
 		Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n);
 		Eigen::VectorXd right(n);
 		std::vector<Vec6> v;
