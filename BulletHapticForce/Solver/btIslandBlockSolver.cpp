@@ -421,9 +421,9 @@ bool btIslandBlockSolver::solve(const ist::Twist* free)
 		if (settled && hasJoints) refineJoints();
 		if (settled && !changeActiveSet(mayReturn))
 		{
-			m_activeSetNotFound = mayReturn == 0 && std::any_of(m_patches.begin(), m_patches.begin() + m_patchCount, [this](const Patch& p) {
-				return !p.active && wouldPush(p);
-			});
+			m_activeSetNotFound = mayReturn == 0 &&
+				std::any_of(
+					m_patches.begin(), m_patches.begin() + m_patchCount, [this](const Patch& p) { return !p.active && wouldPush(p); });
 			return true;
 		}
 		m_frictionPrepared = false;

@@ -99,8 +99,8 @@ private:
 		int firstJoint = -1;
 		bool touched = false;
 		double moves = std::numeric_limits<double>::infinity();  // time of the step in which its bodies move [s]
-		double weight = 0;          // weight of the bodies that have a gravity of their own [N]
-		double weightlessMass = 0;  // mass of the other bodies [kg]
+		double weight = 0;                                       // weight of the bodies that have a gravity of their own [N]
+		double weightlessMass = 0;                               // mass of the other bodies [kg]
 	};
 	struct Block
 	{

@@ -7,10 +7,10 @@
 /// readings.
 struct btVolumetricStatistics
 {
-	uint64_t patches = 0;               ///< patches that were solved
-	uint64_t islands = 0;               ///< islands that were solved at once
-	uint64_t islandsTooLarge = 0;       ///< islands that were solved patch by patch, in Bullet's iterations
-	uint64_t activeSetRounds = 0;       ///< rounds of the active sets, over all block solves
+	uint64_t patches = 0;          ///< patches that were solved
+	uint64_t islands = 0;          ///< islands that were solved at once
+	uint64_t islandsTooLarge = 0;  ///< islands that were solved patch by patch, in Bullet's iterations
+	uint64_t activeSetRounds = 0;  ///< rounds of the active sets, over all block solves
 	/// block solves whose rounds ended before the patches were found that push: one that would push may have exerted nothing
 	uint64_t activeSetsNotFound = 0;
 	uint64_t frictionNotConverged = 0;  ///< block solves whose friction sweeps ended before the impulses converged
