@@ -73,7 +73,7 @@ public:
 	int rounds() const { return m_rounds; }
 	/// True when the rounds of the last solve ended before that set was found. A patch that would push then exerts nothing.
 	bool activeSetNotFound() const { return m_activeSetNotFound; }
-	/// True for a patch that the last solve took for a point that pushes along its normal.
+	/// True for a patch that has become a point that pushes along its normal.
 	bool isPoint(int patch) const { return m_patches[size_t(patch)].returns > kReturnsOfWhole; }
 	double remainingChange() const { return m_remainingChange; }
 	/// Number of values within the envelope of the last factor, which one substitution reads.
@@ -104,7 +104,7 @@ private:
 		double elastic[6];
 		size_t response = 0;  // index of its response in m_response
 		bool active = true;
-		int returns = 0;  // to the active set, in this solve
+		int returns = 0;  // to the active set since it was added
 	};
 
 	void orderBodies();
