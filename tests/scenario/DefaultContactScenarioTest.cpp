@@ -463,7 +463,7 @@ TEST(DefaultContact, MixedBodiesThatArePouredIntoABinStayApart)
 		EXPECT_LT(deep, 20) << seed;
 		EXPECT_EQ(countDeep(), 0) << seed;
 		EXPECT_LT(deepest, 0.3) << seed;
-		// One in ten of the searches for the patches that push went round in circles once.
+		// Before patches became points, one in ten of the searches for those that push went round in circles.
 		const btVolumetricStatistics& statistics = scene.world.statistics();
 		EXPECT_LT(100 * statistics.activeSetsNotFound, statistics.islands) << seed;
 		for (const btRigidBody* body : bodies)

@@ -99,7 +99,25 @@ TEST(LeafClearance, QueryFindsNothingWhileNoPointHasComeNearerByIt)
 	EXPECT_GT(apart, 10);
 }
 
-// One body advances to the other by the clearance again and again. The field of a torus of few cells is wrong by more than its flush faces.
+namespace
+{
+/// B advances to A by the clearance again and again, against `way`, and is apart wherever it comes to. Counts its moves.
+template <class Apart>
+void advance(const InnerSphereTree& A, const InnerSphereTree& B, Pose X, const Vec3& way, int& moves, const Apart& isApart)
+{
+	QueryWorkspace workspace;
+	for (int i = 0; i < 60; ++i)
+	{
+		const double clearance = leafClearance(A, B, X, kMostOpenedForClearance);
+		if (!(clearance > 1e-4)) break;
+		X.translation = X.translation - 0.999 * clearance * way;
+		++moves;
+		ASSERT_TRUE(isApart(queryOverlap(A, B, X, workspace))) << i;
+	}
+}
+}  // namespace
+
+// The field of a torus of few cells is wrong by more than its flush faces.
 TEST(LeafClearance, BodiesWithSurfacesAdvanceByItWithoutContact)
 {
 	std::mt19937 random(6);
@@ -107,7 +125,6 @@ TEST(LeafClearance, BodiesWithSurfacesAdvanceByItWithoutContact)
 	options.maxSpheres = 200;
 	const InnerSphereTree ring = buildTree(translated(makeTorusMesh(0.5, 0.2, 48, 24), {1, 2, 3}), options).value(),
 						  tube = buildTree(makeTorusKnotMesh(2, 1, 0.2), options).value();
-	QueryWorkspace workspace;
 	int advanced = 0;
 	for (int trial = 0; trial < 200; ++trial)
 	{
@@ -115,14 +132,8 @@ TEST(LeafClearance, BodiesWithSurfacesAdvanceByItWithoutContact)
 		const Vec3 way = normalized(randomVector(random, 1));
 		Pose X{rotationMatrix(quaternionFromRotationVector(randomVector(random, 3))), {}};
 		X.translation = A.origin + 7 * way + randomVector(random, 1) - X.rotation * B.origin;
-		for (int i = 0; i < 60; ++i)
-		{
-			const double clearance = leafClearance(A, B, X, kMostOpenedForClearance);
-			if (!(clearance > 1e-4)) break;
-			X.translation = X.translation - 0.999 * clearance * way;
-			++advanced;
-			ASSERT_EQ(queryOverlap(A, B, X, workspace).total.pairs, 0) << trial << ", " << i;
-		}
+		ASSERT_NO_FATAL_FAILURE(advance(A, B, X, way, advanced, [&](const OverlapResult& found) { return found.total.pairs == 0; }))
+			<< trial;
 	}
 	EXPECT_GT(advanced, 1000);
 }
@@ -159,7 +170,6 @@ TEST(LeafClearance, FlatBodiesAdvanceByItWithoutContact)
 	options.maxSpheres = 200;
 	const InnerSphereTree bodies[] = {buildTree(makeTetrahedronMesh(1), options).value(),
 		buildTree(makeBoxMesh({0.6, 0.03, 0.5}), options).value(), buildTree(makeSphereMesh(0.1, 3), options).value()};
-	QueryWorkspace workspace;
 	int advanced = 0;
 	for (int trial = 0; trial < 300; ++trial)
 	{
@@ -167,14 +177,8 @@ TEST(LeafClearance, FlatBodiesAdvanceByItWithoutContact)
 		const Vec3 way = normalized(randomVector(random, 1));
 		Pose X{rotationMatrix(quaternionFromRotationVector(randomVector(random, 3))), {}};
 		X.translation = A.origin + 2 * way + randomVector(random, 0.4) - X.rotation * B.origin;
-		for (int i = 0; i < 60; ++i)
-		{
-			const double clearance = leafClearance(A, B, X, kMostOpenedForClearance);
-			if (!(clearance > 1e-4)) break;
-			X.translation = X.translation - 0.999 * clearance * way;
-			++advanced;
-			ASSERT_EQ(queryOverlap(A, B, X, workspace).total.volume, 0) << trial << ", " << i;
-		}
+		ASSERT_NO_FATAL_FAILURE(advance(A, B, X, way, advanced, [&](const OverlapResult& found) { return found.total.volume == 0; }))
+			<< trial;
 	}
 	EXPECT_GT(advanced, 1000);
 }
