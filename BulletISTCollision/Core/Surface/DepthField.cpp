@@ -130,7 +130,8 @@ DepthField::Value DepthField::at(const Vec3& x) const
 	}
 	if (node->isOutside()) return {-above->beyond(x), -Vec3{above->normal[0], above->normal[1], above->normal[2]}, DepthNode::kOutside};
 	const auto [depth, gradient] = cells[node->cell()].at(x);
-	return {depth, gradient, node->cell()};
+	// The polynomial of a cell outside of the body may be positive somewhere between the samples.
+	return {node->deepest < 0 ? std::min(depth, double(node->deepest)) : depth, gradient, node->cell()};
 }
 
 std::string DepthField::validate() const
