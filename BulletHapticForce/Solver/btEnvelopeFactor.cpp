@@ -54,6 +54,15 @@ void btEnvelopeFactor::layOut()
 	});
 }
 
+void btEnvelopeFactor::layOutAs(const btEnvelopeFactor& other)
+{
+	m_places = other.m_places;
+	m_first = other.m_first;
+	m_row = other.m_row;
+	m_cliques = other.m_cliques;
+	m_size = other.m_size;
+}
+
 int64_t btEnvelopeFactor::entries() const
 {
 	int64_t entries = 0;

@@ -27,6 +27,8 @@ public:
 	void couple(int a, int b);
 	/// Ends the envelope. From now on the values may be set any number of times.
 	void layOut();
+	/// Takes the envelope of another factor, without its values.
+	void layOutAs(const btEnvelopeFactor& other);
 	int places() const { return m_places; }
 	/// Members of the clique of `place` without the place itself, in ascending order.
 	const int* cliqueBegin(int place) const { return m_cliques.begin(place); }

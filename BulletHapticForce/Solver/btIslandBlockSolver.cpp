@@ -48,9 +48,10 @@ void btIslandBlockSolver::reserve(int bodies, int patches)
 	m_factor.reserve(bodies);
 	m_byBody.reserve(size_t(bodies), 2 * size_t(patches));
 	m_byPlace.reserve(size_t(bodies), size_t(patches));
-	for (auto* perBody : {&m_free, &m_z, &m_rest}) perBody->resize(std::max(perBody->size(), stride));
+	m_stuckFactor.reserve(bodies);
+	for (auto* perBody : {&m_free, &m_z, &m_rest, &m_stateStep}) perBody->resize(std::max(perBody->size(), stride));
 	m_response.reserve(3 * stride * size_t(patches));
-	m_tangents.resize(std::max(m_tangents.size(), 3 * size_t(patches)));
+	for (auto* tangents : {&m_tangents, &m_tangentsBefore}) tangents->resize(std::max(tangents->size(), 3 * size_t(patches)));
 	m_acceleration.reserve(3 * size_t(patches));
 }
 
@@ -168,24 +169,25 @@ void btIslandBlockSolver::layOutFactor()
 	});
 }
 
-bool btIslandBlockSolver::factorise()
+/// Sets a factor to the matrix of the elastic island with its joints, before its factorisation.
+void btIslandBlockSolver::assemble(btEnvelopeFactor& factor) const
 {
-	m_factor.setIdentity();
-	m_inverseKnown = false;
+	factor.setIdentity();
 	for (int k = 0; k < m_patchCount; ++k)
 	{
 		const Patch& p = m_patches[size_t(k)];
 		if (!p.active) continue;
-		for (int row = 0; row < 2; ++row)
-			for (int column = 0; column < 2; ++column)
-			{
-				if (p.body[row] < 0 || p.body[column] < 0 || placeOf(p, row) < placeOf(p, column)) continue;
-				const Mat6 block = Map<const Mat6>(p.jacobian[row]).transpose() * Map<const Mat6>(p.S) *
-					Map<const Mat6>(p.jacobian[column]);
-				m_factor.add(placeOf(p, row), placeOf(p, column), block.data());
-			}
+		addBlocks(factor, p, [&p](int row, int column) -> Mat6 {
+			return Map<const Mat6>(p.jacobian[row]).transpose() * Map<const Mat6>(p.S) * Map<const Mat6>(p.jacobian[column]);
+		});
 	}
-	m_joints.addTo(m_factor);
+	m_joints.addTo(factor);
+}
+
+bool btIslandBlockSolver::factorise()
+{
+	m_inverseKnown = false;
+	assemble(m_factor);
 	return m_factor.factorise();
 }
 
@@ -334,6 +336,16 @@ bool btIslandBlockSolver::wouldPush(const Patch& p)
 	return answer.head<3>().dot(toEigen(p.normal)) > 0;
 }
 
+/// True when an idle patch would push in this state as a point.
+bool btIslandBlockSolver::isPressed(const Patch& p) const
+{
+	Vec6 u;
+	relativeTwist(p, u.data());
+	const Eigen::Vector3d n = toEigen(p.normal);
+	const double stiffness = n.dot(Map<const Mat6>(p.S).topLeftCorner<3, 3>() * n);
+	return Map<const Vec6>(p.push).head<3>().dot(n) > stiffness * u.head<3>().dot(n);
+}
+
 /// Leaves of the patch a point that pushes along its normal.
 void btIslandBlockSolver::makePoint(Patch& p)
 {
@@ -363,11 +375,11 @@ bool btIslandBlockSolver::changeActiveSet(int mayReturn)
 			p.active = false;
 			changed = true;
 		}
-		else if (mayReturn > 0 && wouldPush(p))
+		else if (const bool asWhole = mayReturn > 0 && wouldPush(p); asWhole || (mayReturn > 0 && isPressed(p)))
 		{
 			p.active = changed = true;
 			--mayReturn;
-			++p.returns;
+			p.returns = asWhole ? p.returns + 1 : kReturnsOfWhole + 1;
 			if (isPoint(k)) makePoint(p);
 		}
 		Map<Vec6> elastic(p.elastic);
@@ -396,9 +408,9 @@ bool btIslandBlockSolver::solve(const ist::Twist* free)
 		twist = toEigen(free[b].linear, free[b].angular);
 	}
 	m_frictionNotConverged = m_activeSetNotFound = false;
-	m_sweeps = 0;
+	m_sweeps = m_frictionSteps = 0;
 	m_remainingChange = 0;
-	m_productsBefore = m_products + m_factor.products();
+	m_productsBefore = allProducts();
 	const bool hasJoints = !m_joints.isEmpty();
 	m_rounds = 0;
 	for (int searches = 0;;)
@@ -422,8 +434,8 @@ bool btIslandBlockSolver::solve(const ist::Twist* free)
 		if (settled && !changeActiveSet(mayReturn))
 		{
 			m_activeSetNotFound = mayReturn == 0 &&
-				std::any_of(
-					m_patches.begin(), m_patches.begin() + m_patchCount, [this](const Patch& p) { return !p.active && wouldPush(p); });
+				std::any_of(m_patches.begin(), m_patches.begin() + m_patchCount,
+					[this](const Patch& p) { return !p.active && (wouldPush(p) || isPressed(p)); });
 			return true;
 		}
 		m_frictionPrepared = false;

@@ -16,17 +16,20 @@
 /// Elastic part: backward Euler of the whole island, (I + R J^T S J R) z = R J^T (h w0 - S u), with the twists v = v_free + R z and S =
 /// h^2 K + h D. R is the square root of the inverse mass matrix. Immovable directions therefore need no special case, and no stiffness is
 /// inverted. The system is solved by an envelope Cholesky factorisation in reversed breadth-first order of the bodies (btEnvelopeFactor).
-/// Patches that would pull are removed, and the rest is solved again. A patch that has returned twice, because it would push after all, is
-/// then a point that pushes along its normal: what resists rotations too may fit neither side, and the search would never end.
+/// Patches that would pull are removed, and the rest is solved again. What would push after all returns: as it is, or as a point that
+/// pushes along its normal, if only that would push or if it has returned twice. A patch resists rotations too. To turn out of the contact
+/// may take a pull, and the patch may fit neither side, so that the search would never end.
 ///
 /// Joints: their rows are stiff dampers in the same factor, see btIslandJoints. Rows beyond their limits leave it in rounds of their own,
 /// each a factorisation and a substitution, before the friction is solved.
 ///
 /// Friction: each patch has the ball of btVolumetricRow. The solver makes Gauss-Seidel sweeps over the response of the whole elastic
-/// island. Each visit solves one patch exactly while the others are fixed. The sweeps are accelerated (btSweepAcceleration).
+/// island. Each visit solves one patch exactly while the others are fixed. The sweeps are accelerated (btSweepAcceleration). Where they
+/// hardly get on, as in a heap, Newton's method moves the friction of all patches at once: those that stick are stiff dampers in a factor
+/// of its own. Sweeps and such searches then take turns.
 ///
 /// Cost of one round: O(bodies + patches) times (1 + sweeps), if the cliques of the envelope are small. This holds for a stack, and for
-/// the bodies around a held one. A wall and a heap have cliques as wide as a layer. Each visit then costs that many products, and the
+/// the bodies around a held one. A wall and a heap have cliques as wide as a layer. Each visit then costs that many products, and each
 /// factorisation the square of it for each body. `products` counts them. There are at most 400 sweeps; stacks of 2 to 30 bodies need 45
 /// to 65.
 ///
@@ -64,10 +67,13 @@ public:
 	/// Impulse of a joint's row [N s], or [N m s].
 	double jointImpulse(int row) const { return m_joints.impulse(row); }
 	/// Number of sweeps of the friction iteration in the last solve. `remainingChange` is the largest change of an impulse in the last of
-	/// them [N s].
+	/// them [N s], where a part along an axis counts as the slip that it changes, over the patch's largest slip per impulse.
 	int sweeps() const { return m_sweeps; }
-	/// True when the sweeps of the last solve ended before the impulses converged. Friction is then within its limit too, but need not
-	/// oppose the slip.
+	double remainingChange() const { return m_remainingChange; }
+	/// Number of factorisations of Newton's method for the friction in the last solve.
+	int frictionSteps() const { return m_frictionSteps; }
+	/// True when the search of the last solve ended before friction converged. Friction is then within its limit too, but need not oppose
+	/// the slip.
 	bool frictionNotConverged() const { return m_frictionNotConverged; }
 	/// Number of changes of the set of pushing patches in the last solve.
 	int rounds() const { return m_rounds; }
@@ -75,11 +81,10 @@ public:
 	bool activeSetNotFound() const { return m_activeSetNotFound; }
 	/// True for a patch that has become a point that pushes along its normal.
 	bool isPoint(int patch) const { return m_patches[size_t(patch)].returns > kReturnsOfWhole; }
-	double remainingChange() const { return m_remainingChange; }
 	/// Number of values within the envelope of the last factor, which one substitution reads.
 	int64_t envelopeEntries() const { return m_factor.entries(); }
 	/// Number of products of a 6 x 6 block with a block or a column in the last solve. It measures the cost independent of a clock.
-	uint64_t products() const { return m_products + m_factor.products() - m_productsBefore; }
+	uint64_t products() const { return allProducts() - m_productsBefore; }
 
 private:
 	static constexpr int kReturnsOfWhole = 1;  // of a patch to the active set, before it returns as a point
@@ -98,17 +103,25 @@ private:
 		double jacobian[2][36];  // J R of A, and -J R of B
 		// The input of friction is affine in the state: `asked` gives the slip along E and the elastic normal impulse.
 		double asked[2][24], askedAtRest[4];
-		// principal axes (one per row) and eigenvalues of the response of the slip to friction; friction coefficient
-		double axes[9], yielding[3], friction = 0;
+		// principal axes (one per row), eigenvalues of the response of the slip to friction, and the largest; friction coefficient
+		double axes[9], yielding[3], mostYielding = 0, friction = 0;
 		double excess = 0;  // additional response in the last visit that would bring the friction within its limit
 		double elastic[6];
-		size_t response = 0;  // index of its response in m_response
+		size_t response = 0;            // index of its response in m_response
+		double step[3], resistance[9];  // of Newton's method: step of the friction, and how it falls with a step of the slip
 		bool active = true;
 		int returns = 0;  // to the active set since it was added
+	};
+	/// How far a patch's friction is from Coulomb's law. `share` is the limit over what would stick, or 1 where it sticks.
+	struct FrictionError
+	{
+		double missing[3], direction[3], share;
 	};
 
 	void orderBodies();
 	void layOutFactor();
+	void assemble(btEnvelopeFactor& factor) const;
+	template <class Block> void addBlocks(btEnvelopeFactor& factor, const Patch& patch, const Block& block) const;
 	bool factorise();
 	double heaviest() const;
 	bool settleJoints();
@@ -126,18 +139,28 @@ private:
 	void prepareAsked(Patch& patch) const;
 	void prepareResponse(Patch& patch, double (&slip)[9]);
 	static bool rubs(const Patch& patch) { return patch.active && patch.friction > 0; }
+	static bool yields(const Patch& patch) { return rubs(patch) && patch.mostYielding > 0; }
+	void ask(const Patch& patch, double* asked) const;
 	double visitFriction(int patch, int place, double& normal);
 	double sweep(double& largestNormal);
 	double* tangent(int patch) { return m_tangents.data() + 3 * size_t(patch); }
 	const double* tangent(int patch) const { return m_tangents.data() + 3 * size_t(patch); }
 	void iterateFriction();
+	void searchFriction(double tolerance, int search);
+	bool stepFriction(double& error);
+	FrictionError frictionError(int patch) const;
+	double totalFrictionError() const;
+	void prepareStep(int patch);
+	void finishStep(int patch);
 	bool cutFriction(double tolerance, double share);
 	bool wouldPush(const Patch& patch);
+	bool isPressed(const Patch& patch) const;
 	bool changeActiveSet(int mayReturn);
 	static void makePoint(Patch& patch);
 	void relativeTwist(const Patch& patch, double* twist) const;
 	int placeOf(const Patch& p, int side) const { return m_bodies[size_t(p.body[side])].place; }
 	int firstPlace(const Patch& p) const;
+	uint64_t allProducts() const { return m_products + m_factor.products() + m_stuckFactor.products(); }
 
 	int m_bodyCount = 0, m_patchCount = 0;
 	std::vector<Body> m_bodies;
@@ -151,11 +174,24 @@ private:
 	std::vector<double> m_rest, m_z;  // 6 numbers per body, in the order of elimination: right-hand side without friction; state
 	std::vector<double> m_response;   // response to friction: 6 x 3 numbers for each member of a patch's clique
 	std::vector<double> m_tangents;   // friction impulses, 3 numbers per patch along its E
+	btEnvelopeFactor m_stuckFactor;   // of Newton's method: the elastic island, whose patches that stick are stiff dampers too
+	std::vector<double> m_stateStep;  // its step of the state
+	std::vector<double> m_tangentsBefore;
+	double m_firmness = 0;
 	btSweepAcceleration m_acceleration;
 	uint64_t m_products = 0, m_productsBefore = 0;
 	bool m_inverseKnown = false, m_hasFriction = false;
-	int m_sweeps = 0, m_rounds = 0;
+	int m_sweeps = 0, m_frictionSteps = 0, m_rounds = 0;
 	bool m_frictionNotConverged = false, m_activeSetNotFound = false;
 	double m_remainingChange = 0;
 	bool m_frictionPrepared = false;
 };
+
+/// Adds block(row, column) of a patch, a 6 x 6 matrix for each pair of its bodies, to the lower half of a factor.
+template <class Block> void btIslandBlockSolver::addBlocks(btEnvelopeFactor& factor, const Patch& patch, const Block& block) const
+{
+	for (int row = 0; row < 2; ++row)
+		for (int column = 0; column < 2; ++column)
+			if (patch.body[row] >= 0 && patch.body[column] >= 0 && placeOf(patch, row) >= placeOf(patch, column))
+				factor.add(placeOf(patch, row), placeOf(patch, column), block(row, column).data());
+}

@@ -10,7 +10,7 @@
 using namespace island;
 
 // The oracle uses only which patches push. It solves for their impulses in a dense system (L_i + S_i sum W_ij L_j = push_i - S_i u_i).
-// Every patch that the solver left out must pull when it is added.
+// Every patch that the solver left out must pull when it is added, as a whole and as a point that pushes along its normal.
 TEST(btIslandBlockSolver, AgreesWithADenseSolutionWithoutFriction)
 {
 	int pushing = 0, idle = 0, missed = 0, notFound = 0, points = 0;
@@ -42,16 +42,19 @@ TEST(btIslandBlockSolver, AgreesWithADenseSolutionWithoutFriction)
 			EXPECT_EQ(norm(solver.impulse(int(k)).force) + norm(solver.impulse(int(k)).torque), 0);
 			auto with = active;
 			with.push_back(k);
-			missed += scene.denseImpulses(with).tail<6>().head<3>().dot(Scene::eigen(scene.contacts[k].patch.normal)) > 0;
+			Scene asPoint = scene;
+			asPoint.makePoint(asPoint.contacts[k].patch);
+			for (const Scene* tried : {&scene, &asPoint})
+				missed += tried->denseImpulses(with).tail<6>().head<3>().dot(Scene::eigen(scene.contacts[k].patch.normal)) > 0;
 		}
 	}
 	EXPECT_GT(pushing, 1000);
 	EXPECT_GT(idle, 200);
 	EXPECT_EQ(missed, 0);
 	EXPECT_EQ(notFound, 0);
-	// For some sets of random patches no choice of pushing ones is consistent. Some of these patches are then points.
+	// A patch whose rotation alone would leave the contact, or for which no choice of the pushing ones is consistent, is a point.
 	EXPECT_GT(points, 0);
-	EXPECT_LT(points, 0.05 * (pushing + idle));
+	EXPECT_LT(points, 0.15 * (pushing + idle));
 }
 
 namespace

@@ -70,7 +70,7 @@ void expectCoulomb(Scene scene, uint64_t seed, FrictionCount& count)
 		slip << u.head<3>() - n * n.dot(u.head<3>()), n.dot(u.tail<3>()) * c.patch.frictionRadius;
 		// The sweeps end when no impulse changes by more than a ten-millionth of the largest normal impulse.
 		EXPECT_LE(lambda.norm(), limit * (1 + 1e-5) + 1e-7 * largest) << "seed " << seed << " patch " << k;
-		if (lambda.norm() < limit * (1 - 1e-4))
+		if (lambda.norm() < limit * (1 - 1e-4) - 1e-7 * largest)
 		{
 			++count.sticking;
 			EXPECT_LE(slip.norm(), 1e-5) << "seed " << seed << " patch " << k;
@@ -90,8 +90,7 @@ TEST(btIslandBlockSolver, FrictionInStacksSticksOrSlidesAsCoulombSays)
 	for (uint64_t seed = 1; seed <= 60; ++seed) expectCoulomb(stackScene(seed, seed % 2 ? 1 : 0.02), seed, count);
 	EXPECT_GT(count.sticking, 50);
 	EXPECT_GT(count.sliding, 50);
-	// Where sweeps no longer halve the change, the rest is left to the next step.
-	EXPECT_LE(count.undecided, 2);
+	EXPECT_EQ(count.undecided, 0);
 }
 
 // A solve that starts with the converged friction ends at once, with the same result.
@@ -122,22 +121,22 @@ TEST(btIslandBlockSolver, FrictionStartsWhereItIsTold)
 	EXPECT_GT(compared, 5);
 }
 
-// These bodies are jammed between several patches that push them about, so the sweeps do not always converge.
+// These bodies are jammed between several patches that push them about, so sweeps alone do not always converge.
 TEST(btIslandBlockSolver, FrictionBetweenRandomPatchesOpposesTheSlip)
 {
 	FrictionCount count;
 	for (uint64_t seed = 1; seed <= 60; ++seed)
 		expectCoulomb(randomScene(seed, 0.4, std::pow(10.0, 2 + double(seed % 4)), seed % 2 ? 1 : 0.02), seed, count);
 	EXPECT_GT(count.sliding, 100);
-	EXPECT_LE(count.undecided, 4);
+	EXPECT_EQ(count.undecided, 0);
 }
 
-// When sweeps end too early, friction is still within the limit of the normal impulse, and the normal impulse belongs to the resulting
-// motion.
-TEST(btIslandBlockSolver, FrictionStaysWithinItsLimitWhereSweepsDoNotEnd)
+// Where the search ends too early, as in one of fifty of these scenes, friction is still within the limit of the normal impulse, and the
+// normal impulse belongs to the resulting motion.
+TEST(btIslandBlockSolver, FrictionStaysWithinItsLimitWhereItIsNotFound)
 {
 	int undecided = 0, notFound = 0;
-	for (uint64_t seed = 1; seed <= 600; ++seed)
+	for (uint64_t seed = 1; seed <= 2400; ++seed)
 	{
 		Scene scene = randomScene(seed, 0.9, seed % 2 ? 1e6 : 1e4, 1);
 		btIslandBlockSolver solver;
@@ -159,11 +158,12 @@ TEST(btIslandBlockSolver, FrictionStaysWithinItsLimitWhereSweepsDoNotEnd)
 				<< "seed " << seed << " patch " << k;
 			const Vec6 expected = scene.push(c) - scene.S(c) * scene.relative(c, v);
 			const double error = (expected.head<3>() - Scene::eigen(elastic.force)).norm();
-			EXPECT_LE(normal > 0 ? error : 0, 1e-6 * largest) << "seed " << seed << " patch " << k;
+			EXPECT_LE(normal > 0 ? error : 0, 2e-6 * largest) << "seed " << seed << " patch " << k;  // rounding: masses differ by 1e4
 		}
 	}
-	EXPECT_GT(undecided, 20);
-	EXPECT_EQ(notFound, 0);
+	EXPECT_GT(undecided, 10);
+	EXPECT_LT(undecided, 72);
+	EXPECT_LE(notFound, 12) << "with so much friction, no set of patches may fit";
 }
 
 // Twenty patches share one load, two on each part. Sweeps alone reduce the error by 1e-4 each time, and converge in none of these scenes.
@@ -173,5 +173,5 @@ TEST(btIslandBlockSolver, FrictionOfWhatIsHeldIsFoundWhereSweepsAloneWouldCreep)
 	for (uint64_t seed = 1; seed <= 20; ++seed) expectCoulomb(heldScene(seed), seed, count);
 	EXPECT_GT(count.sticking, 10);
 	EXPECT_GT(count.sliding, 150);
-	EXPECT_LE(count.undecided, 8);
+	EXPECT_EQ(count.undecided, 0);
 }

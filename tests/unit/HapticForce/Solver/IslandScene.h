@@ -79,25 +79,25 @@ struct Scene
 		c.patch.normal = normalized(c.patch.wrench.force);
 		contacts.push_back(c);
 	}
-	/// Leaves of the patches that the solver took for points what pushes along their normals.
+	/// Leaves of a patch what pushes along its normal.
+	static void makePoint(btContactPatch& p)
+	{
+		const ist::Vec3 n = p.normal;
+		p.wrench = {dot(p.wrench.force, n) * n, {}};
+		for (ist::SymmetricMatrix6* matrix : {&p.stiffness, &p.damping})
+		{
+			double size = 0;
+			for (int i = 0; i < 3; ++i)
+				for (int j = 0; j < 3; ++j) size += n[i] * (*matrix)(std::min(i, j), std::max(i, j)) * n[j];
+			*matrix = ist::SymmetricMatrix6();
+			for (int i = 0; i < 3; ++i)
+				for (int j = i; j < 3; ++j) (*matrix)(i, j) = size * n[i] * n[j];
+		}
+	}
 	void makePoints(const btIslandBlockSolver& solver)
 	{
 		for (size_t k = 0; k < contacts.size(); ++k)
-		{
-			if (!solver.isPoint(int(k))) continue;
-			btContactPatch& p = contacts[k].patch;
-			const ist::Vec3 n = p.normal;
-			p.wrench = {dot(p.wrench.force, n) * n, {}};
-			for (ist::SymmetricMatrix6* matrix : {&p.stiffness, &p.damping})
-			{
-				double size = 0;
-				for (int i = 0; i < 3; ++i)
-					for (int j = 0; j < 3; ++j) size += n[i] * (*matrix)(std::min(i, j), std::max(i, j)) * n[j];
-				*matrix = ist::SymmetricMatrix6();
-				for (int i = 0; i < 3; ++i)
-					for (int j = i; j < 3; ++j) (*matrix)(i, j) = size * n[i] * n[j];
-			}
-		}
+			if (solver.isPoint(int(k))) makePoint(contacts[k].patch);
 	}
 	bool solve(btIslandBlockSolver& solver) const
 	{
