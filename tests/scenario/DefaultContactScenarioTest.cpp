@@ -369,8 +369,8 @@ TEST(DefaultContact, NoImpactOfTwoBodiesIsDeep)
 	EXPECT_LT(held, 40u);
 }
 
-// Ten rings are poured from up to 1.2 m. At 60 Hz some go on moving for a while, none deep in another (docs/stability.md). Impacts take few
-// deep into each other: before steps were solved again for rings that others deflect, 66 contacts were deep in the mean of bins at 60 Hz.
+// Ten rings are poured from up to 1.2 m (docs/stability.md). Impacts take few deep into each other: before steps were solved again for
+// rings that others deflect, 66 contacts were deep in the mean of bins at 60 Hz.
 TEST(DefaultContact, RingsThatArePouredIntoABinComeToRest)
 {
 	const double major = .05;
@@ -404,7 +404,7 @@ TEST(DefaultContact, RingsThatArePouredIntoABinComeToRest)
 					deep += contact->patchCount > 0 && !(contact->ahead > 0) && contact->isDeep();
 			}
 			EXPECT_LT(deep, 25) << where;
-			for (const btRigidBody* body : rings) EXPECT_LT(double(body->getLinearVelocity().length()), rate < 100 ? .05 : 1e-5) << where;
+			for (const btRigidBody* body : rings) EXPECT_LT(double(body->getLinearVelocity().length()), 1e-5) << where;
 			for (const btISTContact* contact : scene.world.contacts().contacts())
 			{
 				if (contact->patchCount == 0 || contact->ahead > 0) continue;
@@ -414,8 +414,8 @@ TEST(DefaultContact, RingsThatArePouredIntoABinComeToRest)
 }
 
 // Bodies of eight kinds, thin and pointed ones among them, that fall upon each other at up to 8 m/s. Impacts may go a quarter deep for a
-// moment, but all stay in the bin, and none stays caught in another one.
-TEST(DefaultContact, MixedBodiesThatArePouredIntoABinStayApart)
+// moment, but all stay in the bin, and none stays caught in another one. What is no ball comes to rest.
+TEST(DefaultContact, MixedBodiesThatArePouredIntoABinStayApartAndComeToRest)
 {
 	const Solid kinds[] = {{ist::makeBoxMesh({.04, .03, .02}), 500}, {ist::makeCylinderMesh(.02, .06), 500},
 		{ist::makeConeMesh(.04, .08), 500}, {ist::makeCapsuleMesh(.02, .04), 500}, {ist::makeTetrahedronMesh(.1), 500},
@@ -465,12 +465,19 @@ TEST(DefaultContact, MixedBodiesThatArePouredIntoABinStayApart)
 		EXPECT_LT(deepest, 0.3) << seed;
 		// Before patches became points, one in ten of the searches for those that push went round in circles.
 		const btVolumetricStatistics& statistics = scene.world.statistics();
-		EXPECT_LT(100 * statistics.activeSetsNotFound, statistics.islands) << seed;
-		for (const btRigidBody* body : bodies)
+		EXPECT_LT(50 * statistics.activeSetsNotFound, statistics.islands) << seed;
+		// Before Newton's method, the search for friction ended early in most steps.
+		EXPECT_LT(10 * statistics.frictionNotConverged, statistics.islands) << seed;
+		for (int step = 0; step < 4 * 60; ++step) scene.step(1. / 60);
+		int moving = 0;
+		for (size_t i = 0; i < bodies.size(); ++i)
 		{
-			const Vec3 p = vec(body->getWorldTransform().getOrigin());
+			const Vec3 p = vec(bodies[i]->getWorldTransform().getOrigin());
 			EXPECT_TRUE(p.y > 0 && std::fabs(p.x) < .15 && std::fabs(p.z) < .15) << seed;
+			const bool isBall = i % 8 == 7;
+			moving += !isBall && bodies[i]->getLinearVelocity().length() > btScalar(1e-4);
 		}
+		EXPECT_LE(moving, 3) << seed;
 	}
 }
 

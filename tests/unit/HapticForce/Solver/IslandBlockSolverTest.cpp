@@ -248,12 +248,18 @@ TEST(btIslandBlockSolver, WorkOfASweepGrowsWithTheHeightOfAStackAndNoFaster)
 
 TEST(btIslandBlockSolver, AllocatesNothingWithinWhatIsReserved)
 {
-	const Scene scenes[] = {pushedTower(8), heldScene(1), randomScene(5, 0.5, 1e4)};
+	const Scene scenes[] = {pushedTower(8), heldScene(1), heldScene(6), randomScene(4, 0.9, 1e6), randomScene(5, 0.5, 1e4)};
 	btIslandBlockSolver solver;
 	solver.reserve(16, 24);
 	const long before = allocationCount();
-	for (const Scene& scene : scenes) ASSERT_TRUE(scene.solve(solver));
+	int frictionSteps = 0;
+	for (const Scene& scene : scenes)
+	{
+		ASSERT_TRUE(scene.solve(solver));
+		frictionSteps += solver.frictionSteps();
+	}
 	EXPECT_EQ(allocationCount(), before);
+	EXPECT_GT(frictionSteps, 0);
 }
 
 TEST(btIslandBlockSolver, LockedAxesDoNotMove)
