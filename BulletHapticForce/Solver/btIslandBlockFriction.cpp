@@ -16,8 +16,8 @@ namespace
 {
 constexpr int kMaxSweeps = 400;
 // Where many patches share one load, sweeps get on by 1e-3 of the error and less. If kPatience sweeps have not reduced the change to the
-// share kProgress, Newton's method takes over. A few sweeps after it bring it over the kinks between sticking and sliding. Of 19,000
-// islands of sixteen bodies that fall into a bin, 200 needed more searches; the next step begins with their remaining error.
+// share kProgress, Newton's method takes over. A few sweeps after it bring it over the kinks between sticking and sliding. Of 12,000
+// solves for sixteen bodies that fall into bins, 400 needed more searches; the next step begins with their remaining error.
 constexpr int kPatience = 24, kSweepsAfterSearch = 8, kMaxSearches = 6;
 constexpr double kProgress = 0.5;
 // Friction has converged when no impulse changes by more than this share of the largest normal impulse, about a rounding of single
