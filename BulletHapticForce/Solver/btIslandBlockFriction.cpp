@@ -20,8 +20,9 @@ constexpr int kMaxSweeps = 400;
 // solves for sixteen bodies that fall into bins, 400 needed more searches; the next step begins with their remaining error.
 constexpr int kPatience = 24, kSweepsAfterSearch = 8, kMaxSearches = 6;
 constexpr double kProgress = 0.5;
-// Friction has converged when no impulse changes by more than this share of the largest normal impulse, about a rounding of single
-// precision. A sticking body then creeps by at most this share of g h, because the next step begins where this one ends.
+// Friction has converged when no impulse changes by more than this share of the largest normal impulse, as `remainingChange` counts it:
+// about a rounding of single precision. A sticking body then creeps by at most this share of g h, because the next step begins where this
+// one ends.
 constexpr double kFrictionTolerance = 1e-7;
 // If the sweeps end early, friction beyond its limit is cut down. This changes the normal impulses, which are then computed again. Later
 // cuts go further below the limit, and after this number to zero. The cuts end, because a patch without friction is not cut again.

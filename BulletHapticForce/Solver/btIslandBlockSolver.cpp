@@ -336,14 +336,20 @@ bool btIslandBlockSolver::wouldPush(const Patch& p)
 	return answer.head<3>().dot(toEigen(p.normal)) > 0;
 }
 
-/// True when an idle patch would push in this state as a point.
+/// Resistance of a patch to a motion along its normal alone.
+double btIslandBlockSolver::normalStiffness(const Patch& p)
+{
+	const Eigen::Vector3d n = toEigen(p.normal);
+	return n.dot(Map<const Mat6>(p.S).topLeftCorner<3, 3>() * n);
+}
+
+/// True when an idle patch would push as a point. A point acts along one line, so that the force in this state decides.
 bool btIslandBlockSolver::isPressed(const Patch& p) const
 {
 	Vec6 u;
 	relativeTwist(p, u.data());
 	const Eigen::Vector3d n = toEigen(p.normal);
-	const double stiffness = n.dot(Map<const Mat6>(p.S).topLeftCorner<3, 3>() * n);
-	return Map<const Vec6>(p.push).head<3>().dot(n) > stiffness * u.head<3>().dot(n);
+	return Map<const Vec6>(p.push).head<3>().dot(n) > normalStiffness(p) * u.head<3>().dot(n);
 }
 
 /// Leaves of the patch a point that pushes along its normal.
@@ -352,10 +358,21 @@ void btIslandBlockSolver::makePoint(Patch& p)
 	const Eigen::Vector3d n = toEigen(p.normal);
 	Map<Mat6> S(p.S);
 	Map<Vec6> push(p.push);
-	const double stiffness = n.dot(S.topLeftCorner<3, 3>() * n), force = n.dot(push.head<3>());
+	const double stiffness = normalStiffness(p), force = n.dot(push.head<3>());
 	S.setZero();
 	S.topLeftCorner<3, 3>() = stiffness * n * n.transpose();
 	push << force * n, Eigen::Vector3d::Zero();
+}
+
+/// Lets an idle patch return if it would push: as it is, or else as a point. Returns false when it would not.
+bool btIslandBlockSolver::letReturn(Patch& p)
+{
+	if (wouldPush(p)) ++p.returns;
+	else if (isPressed(p)) p.returns = kReturnsOfWhole + 1;
+	else return false;
+	p.active = true;
+	if (p.returns > kReturnsOfWhole) makePoint(p);
+	return true;
 }
 
 /// Stores the elastic impulses. Returns true when a patch would pull and is removed, or when an idle one would push and returns.
@@ -375,12 +392,10 @@ bool btIslandBlockSolver::changeActiveSet(int mayReturn)
 			p.active = false;
 			changed = true;
 		}
-		else if (const bool asWhole = mayReturn > 0 && wouldPush(p); asWhole || (mayReturn > 0 && isPressed(p)))
+		else if (mayReturn > 0 && letReturn(p))
 		{
-			p.active = changed = true;
+			changed = true;
 			--mayReturn;
-			p.returns = asWhole ? p.returns + 1 : kReturnsOfWhole + 1;
-			if (isPoint(k)) makePoint(p);
 		}
 		Map<Vec6> elastic(p.elastic);
 		elastic.setZero();

@@ -154,7 +154,9 @@ private:
 	void finishStep(int patch);
 	bool cutFriction(double tolerance, double share);
 	bool wouldPush(const Patch& patch);
+	static double normalStiffness(const Patch& patch);
 	bool isPressed(const Patch& patch) const;
+	bool letReturn(Patch& patch);
 	bool changeActiveSet(int mayReturn);
 	static void makePoint(Patch& patch);
 	void relativeTwist(const Patch& patch, double* twist) const;

@@ -13,7 +13,7 @@ struct btVolumetricStatistics
 	uint64_t activeSetRounds = 0;  ///< rounds of the active sets, over all block solves
 	/// block solves whose rounds ended before the patches were found that push: one that would push may have exerted nothing
 	uint64_t activeSetsNotFound = 0;
-	uint64_t frictionNotConverged = 0;  ///< block solves whose friction sweeps ended before the impulses converged
+	uint64_t frictionNotConverged = 0;  ///< block solves whose search for friction ended before it converged
 	uint64_t blocksNotFactorised = 0;   ///< block solves that exerted nothing, because of input that is not finite
 	uint64_t solvedAgain = 0;           ///< solves that were repeated, because deflected bodies would have gone deep into others
 	/// bodies that moved for a part of a step only, because it brought two of their island deep into each other however often it was solved
