@@ -17,7 +17,7 @@ namespace devicebridge
 class SerialGlove
 {
 public:
-	explicit SerialGlove(int sensors) : m_sensors(sensors), m_thread([this] { live(); }) { m_values.fill(100); }
+	explicit SerialGlove(int sensors) : m_sensors(sensors), m_thread([this] { live(); }) {}
 	~SerialGlove()
 	{
 		m_ending = true;
@@ -33,6 +33,12 @@ public:
 	std::atomic<int> stops{0};
 
 private:
+	static GloveValues valuesAtFirst()
+	{
+		GloveValues values;
+		values.fill(100);
+		return values;
+	}
 	void live()
 	{
 		bool streaming = false;
@@ -63,7 +69,7 @@ private:
 	PseudoTerminal m_line;
 	int m_sensors;
 	std::mutex m_mutex;
-	GloveValues m_values;
+	GloveValues m_values = valuesAtFirst();
 	std::atomic<bool> m_ending{false};
 	std::thread m_thread;
 };
