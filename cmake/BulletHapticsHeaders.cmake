@@ -2,6 +2,7 @@
 # The headers that are installed: what README, the pages and the consumers in tests/consumer include, and what those headers include.
 # Every other header is private and lies beside the source that uses it.
 set(BULLETHAPTICS_HEADERS
+	BulletHapticForce/Law/btContactFriction.h
 	BulletHapticForce/Law/btContactLaw.h
 	BulletHapticForce/Law/btContactMaterial.h
 	BulletHapticForce/Law/btEnergyLaw.h

@@ -33,55 +33,60 @@ constexpr double kImmovable = 1e-12;
 void btIslandBlockSolver::startFriction(int patch, const ist::Wrench& impulse)
 {
 	const Patch& p = m_patches[size_t(patch)];
-	if (!(p.friction > 0)) return;
-	const Map<const Mat63> E(p.E);
-	const Vec6 whole = toEigen(impulse.force, impulse.torque);
-	for (int i = 0; i < 3; ++i)
+	Vec6 left = toEigen(impulse.force, impulse.torque);
+	for (int k = p.firstFriction; k < p.frictionEnd; ++k)
 	{
-		const double square = E.col(i).squaredNorm();
-		tangent(patch)[i] = square > 0 ? E.col(i).dot(whole) / square : 0;
+		const Map<const Mat63> E(m_frictions[size_t(k)].E);
+		for (int i = 0; i < 3; ++i)
+		{
+			const double square = E.col(i).squaredNorm();
+			tangent(k)[i] = square > 0 ? E.col(i).dot(left) / square : 0;
+			left -= tangent(k)[i] * E.col(i);
+		}
 	}
 }
 
 /// Computes the derivative of the slip and of the elastic normal impulse by the state, for each body of the patch.
-void btIslandBlockSolver::prepareAsked(Patch& p) const
+void btIslandBlockSolver::prepareAsked(Friction& f) const
 {
+	const Patch& p = patchOf(f);
 	Mat46 ofTwist;
-	ofTwist << Map<const Mat63>(p.E).transpose(), -toEigen(p.normal).transpose() * Map<const Mat6>(p.S).topRows<3>();
+	ofTwist << Map<const Mat63>(f.E).transpose(), -toEigen(p.normal).transpose() * Map<const Mat6>(p.S).topRows<3>();
 	for (int side = 0; side < 2; ++side)
-		if (p.body[side] >= 0) Map<Mat46>(p.asked[side]) = ofTwist * Map<const Mat6>(p.jacobian[side]);
+		if (p.body[side] >= 0) Map<Mat46>(f.asked[side]) = ofTwist * Map<const Mat6>(p.jacobian[side]);
 }
 
 void btIslandBlockSolver::prepareFriction()
 {
 	m_response.clear();
 	m_hasFriction = false;
-	for (int k = 0; k < m_patchCount; ++k)
+	for (int k = 0; k < m_frictionCount; ++k)
 	{
-		Patch& p = m_patches[size_t(k)];
-		if (!rubs(p)) continue;
+		Friction& f = m_frictions[size_t(k)];
+		if (!rubs(f)) continue;
 		m_hasFriction = true;
 		needInverse();
-		prepareAsked(p);
+		prepareAsked(f);
 		double slip[9], yielding[3][3];
-		prepareResponse(p, slip);
+		prepareResponse(f, slip);
 		const Map<const Axes> G(slip);
 		Map<Axes> symmetric(yielding[0]);
 		symmetric = 0.5 * (G + G.transpose());
 		ist::SymmetricEigen<3> eigen;
 		if (!eigen.decompose(yielding)) eigen = {};  // not finite: no friction
-		Map<Axes>(p.axes) = Map<const Axes>(eigen.vectors[0]);
+		Map<Axes>(f.axes) = Map<const Axes>(eigen.vectors[0]);
 		const Map<const Eigen::Vector3d> values(eigen.values);
-		p.mostYielding = values.maxCoeff();
-		Map<Eigen::Vector3d>(p.yielding) = (values.array() > kImmovable * p.mostYielding).select(values, 0.0);
+		f.mostYielding = values.maxCoeff();
+		Map<Eigen::Vector3d>(f.yielding) = (values.array() > kImmovable * f.mostYielding).select(values, 0.0);
 	}
 	m_frictionPrepared = true;
 }
 
 /// Stores the response of the clique of the patch to its friction. `slip` is the response of its own slip.
-void btIslandBlockSolver::prepareResponse(Patch& p, double (&slip)[9])
+void btIslandBlockSolver::prepareResponse(Friction& f, double (&slip)[9])
 {
-	p.response = m_response.size();
+	const Patch& p = patchOf(f);
+	f.response = m_response.size();
 	const int first = firstPlace(p), count = first < m_bodyCount ? 1 + int(m_factor.cliqueEnd(first) - m_factor.cliqueBegin(first)) : 0;
 	m_response.resize(m_response.size() + 18 * size_t(count));
 	Map<Axes> G(slip);
@@ -89,47 +94,48 @@ void btIslandBlockSolver::prepareResponse(Patch& p, double (&slip)[9])
 	for (int i = 0; i < count; ++i)
 	{
 		const int place = i == 0 ? first : m_factor.cliqueBegin(first)[i - 1];
-		Map<Mat63> answer(&m_response[p.response + 18 * size_t(i)]);
+		Map<Mat63> answer(&m_response[f.response + 18 * size_t(i)]);
 		answer.setZero();
 		for (int side = 0; side < 2; ++side)
 		{
 			if (p.body[side] < 0) continue;
-			const auto push = Map<const Mat46>(p.asked[side]).topRows<3>().transpose();
+			const auto push = Map<const Mat46>(f.asked[side]).topRows<3>().transpose();
 			const int from = placeOf(p, side);
 			if (place >= from) answer += Map<const Mat6>(m_factor.inverseBlock(place, from)) * push;
 			else answer += Map<const Mat6>(m_factor.inverseBlock(from, place)).transpose() * push;
 			++m_products;
 		}
 		for (int side = 0; side < 2; ++side)
-			if (p.body[side] >= 0 && placeOf(p, side) == place) G += Map<const Mat46>(p.asked[side]).topRows<3>() * answer;
+			if (p.body[side] >= 0 && placeOf(p, side) == place) G += Map<const Mat46>(f.asked[side]).topRows<3>() * answer;
 	}
 }
 
 /// Computes what friction depends on in the state `m_z`: the slip along E, and the elastic normal impulse.
-void btIslandBlockSolver::ask(const Patch& p, double* asked) const
+void btIslandBlockSolver::ask(const Friction& f, double* asked) const
 {
+	const Patch& p = patchOf(f);
 	Map<Eigen::Vector4d> sum(asked);
-	sum = Map<const Eigen::Vector4d>(p.askedAtRest);
+	sum = Map<const Eigen::Vector4d>(f.askedAtRest);
 	for (int side = 0; side < 2; ++side)
-		if (p.body[side] >= 0) sum += Map<const Mat46>(p.asked[side]) * Map<const Vec6>(&m_z[6 * size_t(placeOf(p, side))]);
+		if (p.body[side] >= 0) sum += Map<const Mat46>(f.asked[side]) * Map<const Vec6>(&m_z[6 * size_t(placeOf(p, side))]);
 }
 
-/// Visits one patch while the others are fixed, and updates the state of its clique. Returns the change of its friction as
-/// `remainingChange` counts it; `normal` is its present normal impulse.
-double btIslandBlockSolver::visitFriction(int patch, int place, double& normal)
+/// Visits one ball while the others are fixed, and updates the state of its clique. Returns the change of its friction as
+/// `remainingChange` counts it; `normal` is the present normal impulse of its patch.
+double btIslandBlockSolver::visitFriction(int friction, int place, double& normal)
 {
-	Patch& p = m_patches[size_t(patch)];
+	Friction& f = m_frictions[size_t(friction)];
 	Eigen::Vector4d asked;
-	ask(p, asked.data());
+	ask(f, asked.data());
 	normal = std::max(asked(3), 0.0);
-	Map<Eigen::Vector3d> now(tangent(patch));
-	const Map<const Axes> axes(p.axes);
+	Map<Eigen::Vector3d> now(tangent(friction));
+	const Map<const Axes> axes(f.axes);
 	const Eigen::Vector3d before = axes * now,
-						  wanted = btFrictionWithinLimit(p.friction * normal, before, axes * asked.head<3>(), p.yielding, p.excess),
+						  wanted = btFrictionWithinLimit(f.coefficient * normal, before, axes * asked.head<3>(), f.yielding, f.excess),
 						  change = axes.transpose() * wanted - now;
 	now += change;
 	if (change.isZero(0)) return 0;
-	const double* response = &m_response[p.response];
+	const double* response = &m_response[f.response];
 	const auto move = [&](int member) {
 		Map<Vec6>(&m_z[6 * size_t(member)]) += Map<const Mat63>(response) * change;
 		response += 18;
@@ -137,10 +143,10 @@ double btIslandBlockSolver::visitFriction(int patch, int place, double& normal)
 	move(place);
 	for (const int* later = m_factor.cliqueBegin(place); later != m_factor.cliqueEnd(place); ++later) move(*later);
 	m_products += uint64_t(m_factor.cliqueEnd(place) - m_factor.cliqueBegin(place)) + 1;
-	return p.mostYielding > 0 ? Map<const Eigen::Vector3d>(p.yielding).cwiseProduct(wanted - before).norm() / p.mostYielding : 0;
+	return f.mostYielding > 0 ? f.weight * Map<const Eigen::Vector3d>(f.yielding).cwiseProduct(wanted - before).norm() / f.mostYielding : 0;
 }
 
-/// Makes one sweep, which is one substitution. During the back substitution, the patches of a body are visited as soon as its state is
+/// Makes one sweep, which is one substitution. During the back substitution, the friction of a body is visited as soon as its state is
 /// known. The change that their friction makes in the clique is all that the earlier bodies need. The later bodies receive it in the next
 /// sweep.
 double btIslandBlockSolver::sweep(double& largestNormal)
@@ -152,7 +158,7 @@ double btIslandBlockSolver::sweep(double& largestNormal)
 		m_factor.substituteBack(m_z.data(), place);
 		for (const int* k = m_byPlace.begin(place); k != m_byPlace.end(place); ++k)
 		{
-			if (!rubs(m_patches[size_t(*k)])) continue;
+			if (!rubs(m_frictions[size_t(*k)])) continue;
 			double normal = 0;
 			largest = std::max(largest, visitFriction(*k, place, normal));
 			largestNormal = std::max(largestNormal, normal);
@@ -166,7 +172,7 @@ void btIslandBlockSolver::iterateFriction()
 {
 	double largestNormal = 0, before = 0;
 	int searches = 0, sweeps = 0;  // sweeps since the last search
-	m_acceleration.begin(m_tangents.data(), 3 * size_t(m_patchCount));
+	m_acceleration.begin(m_tangents.data(), 3 * size_t(m_frictionCount));
 	for (m_sweeps = 0; m_sweeps < kMaxSweeps; ++m_sweeps)
 	{
 		m_remainingChange = sweep(largestNormal);
@@ -186,7 +192,7 @@ void btIslandBlockSolver::iterateFriction()
 		}
 		if (searches == kMaxSearches) break;
 		searchFriction(kFrictionTolerance * largestNormal, searches++);
-		m_acceleration.begin(m_tangents.data(), 3 * size_t(m_patchCount));
+		m_acceleration.begin(m_tangents.data(), 3 * size_t(m_frictionCount));
 		largestNormal = sweeps = 0;
 	}
 	solveElastic();
@@ -199,14 +205,13 @@ void btIslandBlockSolver::iterateFriction()
 bool btIslandBlockSolver::cutFriction(double tolerance, double share)
 {
 	bool cut = false;
-	for (int k = 0; k < m_patchCount; ++k)
+	for (int k = 0; k < m_frictionCount; ++k)
 	{
-		const Patch& p = m_patches[size_t(k)];
-		if (!p.active) continue;
-		Vec6 u;
-		relativeTwist(p, u.data());
-		const Vec6 elastic = Map<const Vec6>(p.push) - Map<const Mat6>(p.S) * u;
-		const double limit = p.friction * std::max(elastic.head<3>().dot(toEigen(p.normal)), 0.0);
+		const Friction& f = m_frictions[size_t(k)];
+		if (!rubs(f)) continue;
+		Eigen::Vector4d asked;
+		ask(f, asked.data());
+		const double limit = f.coefficient * std::max(asked(3), 0.0);
 		Map<Eigen::Vector3d> friction(tangent(k));
 		const double length = friction.norm();
 		if (!(length > limit + tolerance)) continue;

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <iterator>
 
-// Newton's method for the friction of all patches of an island at once (P. Alart and A. Curnier, A mixed formulation for frictional contact
+// Newton's method for all friction of an island at once (P. Alart and A. Curnier, A mixed formulation for frictional contact
 // problems prone to Newton like solution methods, 1991).
 //
 // Friction t obeys Coulomb's law where t = P(t - r s), with the slip s along E and the projection P onto the ball of the limit. r is a
@@ -33,15 +33,15 @@ constexpr double kSufficient = 1e-3;  // part of the error that a whole step mus
 constexpr double kEnough = 0.1;
 }  // namespace
 
-btIslandBlockSolver::FrictionError btIslandBlockSolver::frictionError(int patch) const
+btIslandBlockSolver::FrictionError btIslandBlockSolver::frictionError(int friction) const
 {
-	const Patch& p = m_patches[size_t(patch)];
+	const Friction& f = m_frictions[size_t(friction)];
 	FrictionError error{{0, 0, 0}, {0, 0, 0}, 1};
 	Eigen::Vector4d asked;
-	ask(p, asked.data());
-	const Map<const Eigen::Vector3d> now(tangent(patch));
-	const Eigen::Vector3d sticking = now - m_firmness / p.mostYielding * asked.head<3>();
-	const double limit = p.friction * std::max(asked(3), 0.0), length = sticking.norm();
+	ask(f, asked.data());
+	const Map<const Eigen::Vector3d> now(tangent(friction));
+	const Eigen::Vector3d sticking = now - m_firmness / f.mostYielding * asked.head<3>();
+	const double limit = f.coefficient * std::max(asked(3), 0.0), length = sticking.norm();
 	if (length > limit)
 	{
 		error.share = limit / length;
@@ -51,43 +51,46 @@ btIslandBlockSolver::FrictionError btIslandBlockSolver::frictionError(int patch)
 	return error;
 }
 
-/// Root of the sum of the squares of all errors [N s].
+/// Root of the sum of the squares of all errors, weighed [N s].
 double btIslandBlockSolver::totalFrictionError() const
 {
 	double squares = 0;
-	for (int k = 0; k < m_patchCount; ++k)
-		if (yields(m_patches[size_t(k)])) squares += Map<const Eigen::Vector3d>(frictionError(k).missing).squaredNorm();
+	for (int k = 0; k < m_frictionCount; ++k)
+		if (yields(m_frictions[size_t(k)]))
+			squares += (m_frictions[size_t(k)].weight * Map<const Eigen::Vector3d>(frictionError(k).missing)).squaredNorm();
 	return std::sqrt(squares);
 }
 
-/// Computes the patch's step without a step of the slip, and its damper, and adds both to the equations of the state's step.
-void btIslandBlockSolver::prepareStep(int patch)
+/// Computes the ball's step without a step of the slip, and its damper, and adds both to the equations of the state's step.
+void btIslandBlockSolver::prepareStep(int friction)
 {
-	Patch& p = m_patches[size_t(patch)];
-	const FrictionError error = frictionError(patch);
+	Friction& f = m_frictions[size_t(friction)];
+	const Patch& p = patchOf(f);
+	const FrictionError error = frictionError(friction);
 	const Map<const Eigen::Vector3d> missing(error.missing), direction(error.direction);
-	// Across the direction of sliding, D is `share`; along it, it is 0. Where the patch sticks, there is no such direction.
+	// Across the direction of sliding, D is `share`; along it, it is 0. Where the ball sticks, there is no such direction.
 	const double across = 1 / (1 + kGive - error.share);
-	Map<Eigen::Vector3d> step(p.step);
-	Map<Axes> resistance(p.resistance);
+	Map<Eigen::Vector3d> step(f.step);
+	Map<Axes> resistance(f.resistance);
 	step = across * missing + (1 / (1 + kGive) - across) * direction.dot(missing) * direction;
-	resistance = m_firmness / p.mostYielding * error.share * across * (Axes::Identity() - direction * direction.transpose());
+	resistance = m_firmness / f.mostYielding * error.share * across * (Axes::Identity() - direction * direction.transpose());
 	for (int side = 0; side < 2; ++side)
 		if (p.body[side] >= 0)
-			Map<Vec6>(&m_stateStep[6 * size_t(placeOf(p, side))]) += Map<const Mat46>(p.asked[side]).topRows<3>().transpose() * step;
+			Map<Vec6>(&m_stateStep[6 * size_t(placeOf(p, side))]) += Map<const Mat46>(f.asked[side]).topRows<3>().transpose() * step;
 	addBlocks(m_stuckFactor, p, [&](int row, int column) -> Mat6 {
-		return Map<const Mat46>(p.asked[row]).topRows<3>().transpose() * resistance * Map<const Mat46>(p.asked[column]).topRows<3>();
+		return Map<const Mat46>(f.asked[row]).topRows<3>().transpose() * resistance * Map<const Mat46>(f.asked[column]).topRows<3>();
 	});
 }
 
-/// Takes from the patch's step what the step of the slip takes from it.
-void btIslandBlockSolver::finishStep(int patch)
+/// Takes from the ball's step what the step of the slip takes from it.
+void btIslandBlockSolver::finishStep(int friction)
 {
-	Patch& p = m_patches[size_t(patch)];
+	Friction& f = m_frictions[size_t(friction)];
+	const Patch& p = patchOf(f);
 	for (int side = 0; side < 2; ++side)
 		if (p.body[side] >= 0)
-			Map<Eigen::Vector3d>(p.step) -= Map<const Axes>(p.resistance) *
-				(Map<const Mat46>(p.asked[side]).topRows<3>() * Map<const Vec6>(&m_stateStep[6 * size_t(placeOf(p, side))]));
+			Map<Eigen::Vector3d>(f.step) -= Map<const Axes>(f.resistance) *
+				(Map<const Mat46>(f.asked[side]).topRows<3>() * Map<const Vec6>(&m_stateStep[6 * size_t(placeOf(p, side))]));
 }
 
 /// Makes one step from the state `m_z`, whose error is given. Halves it until the error falls; returns false when it does not, and leaves
@@ -96,21 +99,21 @@ bool btIslandBlockSolver::stepFriction(double& error)
 {
 	assemble(m_stuckFactor);
 	std::fill_n(m_stateStep.begin(), 6 * m_bodyCount, 0.0);
-	for (int k = 0; k < m_patchCount; ++k)
-		if (yields(m_patches[size_t(k)])) prepareStep(k);
+	for (int k = 0; k < m_frictionCount; ++k)
+		if (yields(m_frictions[size_t(k)])) prepareStep(k);
 	++m_frictionSteps;
 	if (!m_stuckFactor.factorise()) return false;
 	m_stuckFactor.solve(m_stateStep.data());
-	for (int k = 0; k < m_patchCount; ++k)
-		if (yields(m_patches[size_t(k)])) finishStep(k);
-	std::copy_n(m_tangents.begin(), 3 * m_patchCount, m_tangentsBefore.begin());
+	for (int k = 0; k < m_frictionCount; ++k)
+		if (yields(m_frictions[size_t(k)])) finishStep(k);
+	std::copy_n(m_tangents.begin(), 3 * m_frictionCount, m_tangentsBefore.begin());
 	double share = 1;
 	for (int halvings = 0; halvings <= kMaxHalvings; ++halvings, share /= 2)
 	{
-		for (int k = 0; k < m_patchCount; ++k)
-			if (yields(m_patches[size_t(k)]))
+		for (int k = 0; k < m_frictionCount; ++k)
+			if (yields(m_frictions[size_t(k)]))
 				Map<Eigen::Vector3d>(tangent(k)) = Map<const Eigen::Vector3d>(&m_tangentsBefore[3 * size_t(k)]) +
-					share * Map<const Eigen::Vector3d>(m_patches[size_t(k)].step);
+					share * Map<const Eigen::Vector3d>(m_frictions[size_t(k)].step);
 		solveElastic();
 		if (const double now = totalFrictionError(); now < (1 - kSufficient * share) * error)
 		{
@@ -118,7 +121,7 @@ bool btIslandBlockSolver::stepFriction(double& error)
 			return true;
 		}
 	}
-	std::copy_n(m_tangentsBefore.begin(), 3 * m_patchCount, m_tangents.begin());
+	std::copy_n(m_tangentsBefore.begin(), 3 * m_frictionCount, m_tangents.begin());
 	return false;
 }
 

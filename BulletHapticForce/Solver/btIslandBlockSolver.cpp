@@ -41,23 +41,24 @@ Mat6 rootOfInverseMass(const btVolumetricRowBody& body)
 
 void btIslandBlockSolver::reserve(int bodies, int patches)
 {
-	const size_t stride = 6 * size_t(bodies);
+	const size_t stride = 6 * size_t(bodies), frictions = std::max(size_t(patches), size_t(m_frictionCount));
 	m_bodies.resize(std::max(m_bodies.size(), size_t(bodies)));
 	m_patches.resize(std::max(m_patches.size(), size_t(patches)));
+	m_frictions.resize(std::max(m_frictions.size(), frictions));
 	m_order.reserve(size_t(bodies));
 	m_factor.reserve(bodies);
 	m_byBody.reserve(size_t(bodies), 2 * size_t(patches));
-	m_byPlace.reserve(size_t(bodies), size_t(patches));
+	m_byPlace.reserve(size_t(bodies), frictions);
 	m_stuckFactor.reserve(bodies);
 	for (auto* perBody : {&m_free, &m_z, &m_rest, &m_stateStep}) perBody->resize(std::max(perBody->size(), stride));
-	m_response.reserve(3 * stride * size_t(patches));
-	for (auto* tangents : {&m_tangents, &m_tangentsBefore}) tangents->resize(std::max(tangents->size(), 3 * size_t(patches)));
-	m_acceleration.reserve(3 * size_t(patches));
+	m_response.reserve(3 * stride * frictions);
+	for (auto* tangents : {&m_tangents, &m_tangentsBefore}) tangents->resize(std::max(tangents->size(), 3 * frictions));
+	m_acceleration.reserve(3 * frictions);
 }
 
 void btIslandBlockSolver::clear()
 {
-	m_bodyCount = m_patchCount = 0;
+	m_bodyCount = m_patchCount = m_frictionCount = 0;
 	m_joints.clear();
 	m_frictionPrepared = false;
 }
@@ -71,24 +72,21 @@ int btIslandBlockSolver::addBody(const btVolumetricRowBody& body)
 	return m_bodyCount++;
 }
 
-int btIslandBlockSolver::addPatch(const btContactPatch& patch, int bodyA, int bodyB, const ist::Twist& given, double h, double friction)
+int btIslandBlockSolver::addPatch(
+	const btContactPatch& patch, int bodyA, int bodyB, const ist::Twist& given, double h, const btContactFriction& friction)
 {
 	if (m_patchCount == int(m_patches.size())) m_patches.emplace_back();
-	m_tangents.resize(std::max(m_tangents.size(), 3 * m_patches.size()));
 	Patch& p = m_patches[size_t(m_patchCount)];
 	p.point = patch.point;
 	p.normal = patch.normal;
 	p.body[0] = bodyA;
 	p.body[1] = bodyB;
-	p.friction = friction;
 	p.active = true;
 	p.returns = 0;
-	p.excess = 0;
 	Map<Mat6>(p.S) = h * h * toEigen(patch.stiffness) + h * toEigen(patch.damping);
 	Map<Vec6>(p.push) = h * toEigen(patch.wrench.force, patch.wrench.torque);
 	Map<Vec6>(p.given) = toEigen(given.linear, given.angular);
 	Map<Vec6>(p.elastic).setZero();
-	Map<Eigen::Vector3d>(tangent(m_patchCount)).setZero();
 	for (int side = 0; side < 2; ++side)
 	{
 		if (p.body[side] < 0) continue;
@@ -98,15 +96,39 @@ int btIslandBlockSolver::addPatch(const btContactPatch& patch, int bodyA, int bo
 		J = (side == 0 ? 1.0 : -1.0) * Map<const Mat6>(body.root);
 		J.topRightCorner<3, 3>().noalias() -= crossMatrix(toEigen(patch.point - body.center)) * J.bottomRightCorner<3, 3>();
 	}
-	ist::Vec3 t1, t2;
-	ist::completeFrame(patch.normal, t1, t2);
-	Map<Mat63> E(p.E);
-	E.setZero();
-	E.col(0).head<3>() = toEigen(t1);
-	E.col(1).head<3>() = toEigen(t2);
-	E.col(2).tail<3>() = patch.frictionRadius * toEigen(patch.normal);
+	p.firstFriction = m_frictionCount;
+	btFrictionBall balls[btContactFriction::kMostBalls];
+	const int count = friction.balls(patch, balls);
+	for (int i = 0; i < count; ++i) addFriction(m_patchCount, balls[i]);
+	p.frictionEnd = m_frictionCount;
 	return m_patchCount++;
 }
+
+void btIslandBlockSolver::addFriction(int patch, const btFrictionBall& ball)
+{
+	if (m_frictionCount == int(m_frictions.size())) m_frictions.emplace_back();
+	m_tangents.resize(std::max(m_tangents.size(), 3 * m_frictions.size()));
+	Friction& f = m_frictions[size_t(m_frictionCount)];
+	f.patch = patch;
+	f.coefficient = ball.coefficient;
+	std::copy(std::begin(ball.E), std::end(ball.E), f.E);
+	f.excess = 0;
+	const Map<const Mat63> E(f.E);
+	const double moment = E.bottomRows<3>().colwise().norm().maxCoeff(), lever = leverOf(patchOf(f));
+	f.weight = E.topRows<3>().isZero(0) && moment < lever ? moment / lever : 1;
+	Map<Eigen::Vector3d>(tangent(m_frictionCount++)).setZero();
+}
+
+/// Distance of the patch from the nearer of the centres of mass that it moves [m].
+double btIslandBlockSolver::leverOf(const Patch& patch) const
+{
+	double lever = std::numeric_limits<double>::infinity();
+	for (const int body : patch.body)
+		if (body >= 0) lever = std::min(lever, distance(patch.point, m_bodies[size_t(body)].center));
+	return lever;
+}
+
+void btIslandBlockSolver::clearFriction(const Patch& patch) { std::fill(tangent(patch.firstFriction), tangent(patch.frictionEnd), 0.0); }
 
 int btIslandBlockSolver::addJointRow(const btIslandJointRow& row)
 {
@@ -164,8 +186,8 @@ void btIslandBlockSolver::layOutFactor()
 	}
 	m_joints.couple(m_factor);
 	m_factor.layOut();
-	m_byPlace.fill(m_bodyCount, m_patchCount, [this](int k, const auto& note) {
-		if (const int place = firstPlace(m_patches[size_t(k)]); place < m_bodyCount) note(place);
+	m_byPlace.fill(m_bodyCount, m_frictionCount, [this](int k, const auto& note) {
+		if (const int place = firstPlace(patchOf(m_frictions[size_t(k)])); place < m_bodyCount) note(place);
 	});
 }
 
@@ -213,8 +235,8 @@ double btIslandBlockSolver::heaviest() const
 /// be factorised.
 bool btIslandBlockSolver::settleJoints()
 {
-	for (int k = 0; k < m_patchCount; ++k)
-		if (rubs(m_patches[size_t(k)])) prepareAsked(m_patches[size_t(k)]);
+	for (int k = 0; k < m_frictionCount; ++k)
+		if (rubs(m_frictions[size_t(k)])) prepareAsked(m_frictions[size_t(k)]);
 	m_joints.beginSearch();
 	for (int refinements = 0;;)
 	{
@@ -285,7 +307,11 @@ void btIslandBlockSolver::prepareRest()
 		for (int side = 0; side < 2; ++side)
 			if (p.body[side] >= 0)
 				Map<Vec6>(&m_rest[6 * size_t(placeOf(p, side))]) += Map<const Mat6>(p.jacobian[side]).transpose() * elastic;
-		Map<Eigen::Vector4d>(p.askedAtRest) << Map<const Mat63>(p.E).transpose() * u, elastic.head<3>().dot(toEigen(p.normal));
+		for (int i = p.firstFriction; i < p.frictionEnd; ++i)
+		{
+			Friction& f = m_frictions[size_t(i)];
+			Map<Eigen::Vector4d>(f.askedAtRest) << Map<const Mat63>(f.E).transpose() * u, elastic.head<3>().dot(toEigen(p.normal));
+		}
 	}
 }
 
@@ -293,15 +319,16 @@ void btIslandBlockSolver::prepareRest()
 void btIslandBlockSolver::beginState()
 {
 	std::copy_n(m_rest.begin(), 6 * m_bodyCount, m_z.begin());
-	for (int k = 0; k < m_patchCount; ++k)
+	for (int k = 0; k < m_frictionCount; ++k)
 	{
-		const Patch& p = m_patches[size_t(k)];
-		if (!rubs(p)) continue;
-		const Map<const Eigen::Vector3d> friction(tangent(k));
+		const Friction& f = m_frictions[size_t(k)];
+		if (!rubs(f)) continue;
+		const Patch& p = patchOf(f);
 		// The push J^T E is the transpose of the derivative of the slip by the state.
 		for (int side = 0; side < 2; ++side)
 			if (p.body[side] >= 0)
-				Map<Vec6>(&m_z[6 * size_t(placeOf(p, side))]) += Map<const Mat46>(p.asked[side]).topRows<3>().transpose() * friction;
+				Map<Vec6>(&m_z[6 * size_t(placeOf(p, side))]) += Map<const Mat46>(f.asked[side]).topRows<3>().transpose() *
+					Map<const Eigen::Vector3d>(tangent(k));
 	}
 	m_factor.substituteForward(m_z.data());
 }
@@ -397,9 +424,8 @@ bool btIslandBlockSolver::changeActiveSet(int mayReturn)
 			changed = true;
 			--mayReturn;
 		}
-		Map<Vec6> elastic(p.elastic);
-		elastic.setZero();
-		Map<Eigen::Vector3d>(tangent(k)).setZero();
+		Map<Vec6>(p.elastic).setZero();
+		clearFriction(p);
 	}
 	return changed;
 }
@@ -409,7 +435,7 @@ void btIslandBlockSolver::setZero()
 	for (int k = 0; k < m_patchCount; ++k)
 	{
 		Map<Vec6>(m_patches[size_t(k)].elastic).setZero();
-		Map<Eigen::Vector3d>(tangent(k)).setZero();
+		clearFriction(m_patches[size_t(k)]);
 	}
 	m_joints.setZero();
 }
@@ -461,7 +487,9 @@ bool btIslandBlockSolver::solve(const ist::Twist* free)
 ist::Wrench btIslandBlockSolver::impulse(int patch) const
 {
 	const Patch& p = m_patches[size_t(patch)];
-	const Vec6 total = Map<const Vec6>(p.elastic) + Map<const Mat63>(p.E) * Map<const Eigen::Vector3d>(tangent(patch));
+	Vec6 total = Map<const Vec6>(p.elastic);
+	for (int k = p.firstFriction; k < p.frictionEnd; ++k)
+		total += Map<const Mat63>(m_frictions[size_t(k)].E) * Map<const Eigen::Vector3d>(tangent(k));
 	return {{total(0), total(1), total(2)}, {total(3), total(4), total(5)}};
 }
 

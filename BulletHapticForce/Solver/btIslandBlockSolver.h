@@ -23,10 +23,10 @@
 /// Joints: their rows are stiff dampers in the same factor, see btIslandJoints. Rows beyond their limits leave it in rounds of their own,
 /// each a factorisation and a substitution, before the friction is solved.
 ///
-/// Friction: each patch has the ball of btVolumetricRow. The solver makes Gauss-Seidel sweeps over the response of the whole elastic
-/// island. Each visit solves one patch exactly while the others are fixed. The sweeps are accelerated (btSweepAcceleration). Where they
-/// hardly get on, as in a heap, Newton's method moves the friction of all patches at once: those that stick are stiff dampers in a factor
-/// of its own. Sweeps and such searches then take turns.
+/// Friction: each patch has the balls of btVolumetricRow. The solver makes Gauss-Seidel sweeps over the response of the whole elastic
+/// island. Each visit solves one ball exactly while the others are fixed. The sweeps are accelerated (btSweepAcceleration). Where they
+/// hardly get on, as in a heap, Newton's method moves all balls at once: those that stick are stiff dampers in a factor of its own. Sweeps
+/// and such searches then take turns.
 ///
 /// Cost of one round: O(bodies + patches) times (1 + sweeps), if the cliques of the envelope are small. This holds for a stack, and for
 /// the bodies around a held one. A wall and a heap have cliques as wide as a layer. Each visit then costs that many products, and each
@@ -44,7 +44,7 @@ public:
 	int addBody(const btVolumetricRowBody& body);
 	/// Adds a patch, and returns its index. `bodyA` and `bodyB` are indices of bodies, or -1 for an immovable body. `given` is the twist
 	/// at `point` of the immovable bodies, as A minus B.
-	int addPatch(const btContactPatch& patch, int bodyA, int bodyB, const ist::Twist& given, double h, double friction);
+	int addPatch(const btContactPatch& patch, int bodyA, int bodyB, const ist::Twist& given, double h, const btContactFriction& friction);
 	/// Adds a row of a joint between bodies of the island, and returns its index.
 	int addJointRow(const btIslandJointRow& row);
 	/// Sets the start of the search for the patch's friction: an impulse on A about its point, of which only the part that friction can
@@ -67,7 +67,8 @@ public:
 	/// Impulse of a joint's row [N s], or [N m s].
 	double jointImpulse(int row) const { return m_joints.impulse(row); }
 	/// Number of sweeps of the friction iteration in the last solve. `remainingChange` is the largest change of an impulse in the last of
-	/// them [N s], where a part along an axis counts as the slip that it changes, over the patch's largest slip per impulse.
+	/// them [N s], where a part along an axis counts as the slip that it changes, over the ball's largest slip per impulse. A moment counts
+	/// as the force that has it about the nearer centre of mass.
 	int sweeps() const { return m_sweeps; }
 	double remainingChange() const { return m_remainingChange; }
 	/// Number of factorisations of Newton's method for the friction in the last solve.
@@ -99,20 +100,29 @@ private:
 	{
 		ist::Vec3 point, normal;
 		int body[2] = {-1, -1};
-		double S[36], push[6], E[18], given[6];
+		double S[36], push[6], given[6];
 		double jacobian[2][36];  // J R of A, and -J R of B
-		// The input of friction is affine in the state: `asked` gives the slip along E and the elastic normal impulse.
-		double asked[2][24], askedAtRest[4];
-		// principal axes (one per row), eigenvalues of the response of the slip to friction, and the largest; friction coefficient
-		double axes[9], yielding[3], mostYielding = 0, friction = 0;
-		double excess = 0;  // additional response in the last visit that would bring the friction within its limit
 		double elastic[6];
-		size_t response = 0;            // index of its response in m_response
-		double step[3], resistance[9];  // of Newton's method: step of the friction, and how it falls with a step of the slip
+		int firstFriction = 0, frictionEnd = 0;  // its balls in m_frictions
 		bool active = true;
 		int returns = 0;  // to the active set since it was added
 	};
-	/// How far a patch's friction is from Coulomb's law. `share` is the limit over what would stick, or 1 where it sticks.
+	/// One ball of friction: impulses along the columns of E, which together are no longer than `coefficient` times the normal impulse of
+	/// the patch.
+	struct Friction
+	{
+		int patch = 0;
+		double coefficient = 0, E[18];
+		double weight = 1;  // force per impulse: what the ball counts in sums with others
+		// Its input is affine in the state: `asked` gives the slip along E and the elastic normal impulse.
+		double asked[2][24], askedAtRest[4];
+		// principal axes (one per row), eigenvalues of the response of the slip to friction, and the largest
+		double axes[9], yielding[3], mostYielding = 0;
+		double excess = 0;              // additional response in the last visit that would bring the friction within its limit
+		size_t response = 0;            // index of its response in m_response
+		double step[3], resistance[9];  // of Newton's method: step of the friction, and how it falls with a step of the slip
+	};
+	/// How far a ball is from Coulomb's law. `share` is the limit over what would stick, or 1 where it sticks.
 	struct FrictionError
 	{
 		double missing[3], direction[3], share;
@@ -135,23 +145,27 @@ private:
 	}
 	void setZero();
 	void solveElastic();
+	void addFriction(int patch, const btFrictionBall& ball);
+	double leverOf(const Patch& patch) const;
 	void prepareFriction();
-	void prepareAsked(Patch& patch) const;
-	void prepareResponse(Patch& patch, double (&slip)[9]);
-	static bool rubs(const Patch& patch) { return patch.active && patch.friction > 0; }
-	static bool yields(const Patch& patch) { return rubs(patch) && patch.mostYielding > 0; }
-	void ask(const Patch& patch, double* asked) const;
-	double visitFriction(int patch, int place, double& normal);
+	void prepareAsked(Friction& friction) const;
+	void prepareResponse(Friction& friction, double (&slip)[9]);
+	const Patch& patchOf(const Friction& friction) const { return m_patches[size_t(friction.patch)]; }
+	bool rubs(const Friction& friction) const { return patchOf(friction).active; }
+	bool yields(const Friction& friction) const { return rubs(friction) && friction.mostYielding > 0; }
+	void ask(const Friction& friction, double* asked) const;
+	double visitFriction(int friction, int place, double& normal);
 	double sweep(double& largestNormal);
-	double* tangent(int patch) { return m_tangents.data() + 3 * size_t(patch); }
-	const double* tangent(int patch) const { return m_tangents.data() + 3 * size_t(patch); }
+	double* tangent(int friction) { return m_tangents.data() + 3 * size_t(friction); }
+	const double* tangent(int friction) const { return m_tangents.data() + 3 * size_t(friction); }
+	void clearFriction(const Patch& patch);
 	void iterateFriction();
 	void searchFriction(double tolerance, int search);
 	bool stepFriction(double& error);
-	FrictionError frictionError(int patch) const;
+	FrictionError frictionError(int friction) const;
 	double totalFrictionError() const;
-	void prepareStep(int patch);
-	void finishStep(int patch);
+	void prepareStep(int friction);
+	void finishStep(int friction);
 	bool cutFriction(double tolerance, double share);
 	bool wouldPush(const Patch& patch);
 	static double normalStiffness(const Patch& patch);
@@ -164,18 +178,19 @@ private:
 	int firstPlace(const Patch& p) const;
 	uint64_t allProducts() const { return m_products + m_factor.products() + m_stuckFactor.products(); }
 
-	int m_bodyCount = 0, m_patchCount = 0;
+	int m_bodyCount = 0, m_patchCount = 0, m_frictionCount = 0;
 	std::vector<Body> m_bodies;
 	std::vector<Patch> m_patches;
+	std::vector<Friction> m_frictions;
 	btIslandJoints m_joints;
 	std::vector<int> m_order;  // bodies in the order of elimination
 	btKeyedLists m_byBody;     // patches and joint rows between two movable bodies, for each of the two
-	btKeyedLists m_byPlace;    // patches for the first of their bodies in the order of elimination
+	btKeyedLists m_byPlace;    // balls of friction for the first of their bodies in the order of elimination
 	btEnvelopeFactor m_factor;
 	std::vector<double> m_free;       // 6 numbers per body
 	std::vector<double> m_rest, m_z;  // 6 numbers per body, in the order of elimination: right-hand side without friction; state
-	std::vector<double> m_response;   // response to friction: 6 x 3 numbers for each member of a patch's clique
-	std::vector<double> m_tangents;   // friction impulses, 3 numbers per patch along its E
+	std::vector<double> m_response;   // response to friction: 6 x 3 numbers for each member of a ball's clique
+	std::vector<double> m_tangents;   // friction impulses, 3 numbers per ball along its E
 	btEnvelopeFactor m_stuckFactor;   // of Newton's method: the elastic island, whose patches that stick are stiff dampers too
 	std::vector<double> m_stateStep;  // its step of the state
 	std::vector<double> m_tangentsBefore;

@@ -132,7 +132,7 @@ void btVolumetricIslands::keep(const btISTContact& contact)
 	}
 }
 
-void btVolumetricIslands::add(btISTContact& contact, int bodyA, int bodyB, double friction)
+void btVolumetricIslands::add(btISTContact& contact, int bodyA, int bodyB, const btContactFriction& friction)
 {
 	const size_t before = m_entries.size();
 	for (int i = 0; i < contact.patchCount; ++i)

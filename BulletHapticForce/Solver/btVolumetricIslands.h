@@ -39,7 +39,7 @@ public:
 	/// island, because one such value would spoil the whole island.
 	static bool isFinite(const btSolverBody& body);
 	/// Adds all patches of a contact between two bodies of the pool. At least one of the bodies must be able to move.
-	void add(btISTContact& contact, int bodyA, int bodyB, double friction);
+	void add(btISTContact& contact, int bodyA, int bodyB, const btContactFriction& friction);
 	/// Before a solve is repeated because a contact gets other sums: its patches of this solve take part in the next one, too, as points
 	/// that push along their normals.
 	void keep(const btISTContact& contact);
@@ -73,7 +73,7 @@ private:
 		btISTContact* contact = nullptr;
 		int patchIndex = 0;
 		int bodyA = 0, bodyB = 0;
-		double friction = 0;
+		btContactFriction friction;
 		btContactPatch patch;
 		bool kept = false;  // of former sums of the contact, which `patch` describes as the step begins
 		int next = -1;      // next entry of the same island

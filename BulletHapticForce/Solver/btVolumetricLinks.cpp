@@ -179,8 +179,8 @@ void btVolumetricLinks::apply(const Entry& e, const ist::Wrench& impulse, btSolv
 	}
 }
 
-void btVolumetricLinks::add(btISTContact& contact, const Side& a, const Side& b, double friction, double h, const btSolverBody* bodies,
-	btMultiBodyJacobianData& data, btVolumetricStatistics& statistics)
+void btVolumetricLinks::add(btISTContact& contact, const Side& a, const Side& b, const btContactFriction& friction, double h,
+	const btSolverBody* bodies, btMultiBodyJacobianData& data, btVolumetricStatistics& statistics)
 {
 	m_step = h;
 	const size_t first = m_entries.size();
@@ -194,7 +194,6 @@ void btVolumetricLinks::add(btISTContact& contact, const Side& a, const Side& b,
 		}
 		e.contact = &contact;
 		e.patchIndex = i;
-		e.friction = friction;
 		e.side[0] = place(a, e.patch.point, data);
 		e.side[1] = place(b, e.patch.point, data);
 		m_motion.links.resize(size_t(data.m_deltaVelocities.size()));

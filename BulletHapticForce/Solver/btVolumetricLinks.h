@@ -42,7 +42,7 @@ public:
 	void clear();
 	bool isEmpty() const { return m_entries.empty(); }
 	/// Adds all patches of a contact. `h` is the step [s]. Contacts and patches that exert no force are counted in `statistics`.
-	void add(btISTContact& contact, const Side& a, const Side& b, double friction, double h, const btSolverBody* bodies,
+	void add(btISTContact& contact, const Side& a, const Side& b, const btContactFriction& friction, double h, const btSolverBody* bodies,
 		btMultiBodyJacobianData& data, btVolumetricStatistics& statistics);
 	/// Appends the bodies of the pool that these rows move.
 	void appendTouched(std::vector<int>& touched) const;
@@ -71,7 +71,6 @@ private:
 	{
 		btISTContact* contact = nullptr;
 		int patchIndex = 0;
-		double friction = 0;
 		btContactPatch patch;
 		PlacedSide side[2];
 		btVolumetricRow row;

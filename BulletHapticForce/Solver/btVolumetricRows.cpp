@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 using namespace btToEigen;
@@ -44,11 +45,11 @@ void addResponse(Mat6& W, const btVolumetricRowBody& body, const ist::Vec3& poin
 	W.bottomRightCorner<3, 3>() += inertia;
 }
 
-constexpr int kRight = 10;  // number of right-hand sides
-using Equations = double[6][6 + kRight];
+template <int kRight> using Equations = double[6][6 + kRight];
+template <int kRight> using Rows = Eigen::Matrix<double, 6, 6 + kRight, Eigen::RowMajor>;
 
 /// Gaussian elimination with partial pivoting: replaces B by A^-1 B in the last columns of the six rows (A | B).
-void eliminate(Equations& rows)
+template <int kRight> void eliminate(Equations<kRight>& rows)
 {
 	for (int k = 0; k < 6; ++k)
 	{
@@ -82,7 +83,7 @@ void eliminate(Equations& rows)
 }  // namespace
 
 void btVolumetricRow::prepare(
-	const btContactPatch& patch, const btVolumetricRowBody& A, const btVolumetricRowBody& B, double h, double friction)
+	const btContactPatch& patch, const btVolumetricRowBody& A, const btVolumetricRowBody& B, double h, const btContactFriction& friction)
 {
 	Mat6 both = Mat6::Zero();
 	addResponse(both, A, patch.point);
@@ -93,63 +94,71 @@ void btVolumetricRow::prepare(
 	prepare(patch, response, h, friction);
 }
 
-void btVolumetricRow::prepare(const btContactPatch& patch, const ist::SymmetricMatrix6& response, double h, double friction)
+void btVolumetricRow::prepare(
+	const btContactPatch& patch, const ist::SymmetricMatrix6& response, double h, const btContactFriction& friction)
 {
 	m_point = patch.point;
 	m_normal = patch.normal;
-	m_friction = friction;
 	Map<Mat6> W(m_W);
 	W = toEigen(response);
 	const Mat6 S = h * h * toEigen(patch.stiffness) + h * toEigen(patch.damping);
-	ist::Vec3 t1, t2;
-	ist::completeFrame(patch.normal, t1, t2);
-	Map<Mat63> E(m_E);
-	E.setZero();
-	E.col(0).head<3>() = toEigen(t1);
-	E.col(1).head<3>() = toEigen(t2);
-	E.col(2).tail<3>() = patch.frictionRadius * toEigen(patch.normal);
+	const Mat6 stiffened = Mat6::Identity() + S * W;
+	btFrictionBall balls[btContactFriction::kMostBalls];
+	const int ballCount = friction.balls(patch, balls);
 
 	Vec6 push;
 	push << h * toEigen(patch.wrench.force), h * toEigen(patch.wrench.torque);
-	Equations equations;
-	using Rows = Eigen::Matrix<double, 6, 6 + kRight, Eigen::RowMajor>;
-	Map<Rows> rows(&equations[0][0]);
-	rows.leftCols<6>() = Mat6::Identity() + S * W;
+	Equations<10> equations;
+	Map<Rows<10>> rows(&equations[0][0]);
+	rows.leftCols<6>() = stiffened;
 	rows.middleCols<6>(6) = S;
 	rows.col(12) = push;
-	rows.rightCols<3>() = E;
-	eliminate(equations);
+	rows.rightCols<3>() = Map<const Mat63>(balls[0].E);
+	eliminate<10>(equations);
 	Map<Mat6> C(m_C);
 	C = rows.middleCols<6>(6);
 	Map<Vec6> alone(m_push);
 	alone = rows.col(12);
-	const Mat63 eased = rows.rightCols<3>();
-	if (friction > 0) prepareFriction(eased.data());
 	Map<Vec6>(m_elastic).setZero();
-	Map<Vector3d>(m_tangent).setZero();
+
+	m_frictionCount = 0;
+	Mat63 eased = rows.rightCols<3>();
+	for (int i = 0; i < ballCount; ++i)
+	{
+		if (i > 0)
+		{
+			Equations<3> others;
+			Map<Rows<3>>(&others[0][0]) << stiffened, Map<const Mat63>(balls[i].E);
+			eliminate<3>(others);
+			eased = Map<Rows<3>>(&others[0][0]).rightCols<3>();
+		}
+		addFriction(balls[i], eased.data());
+	}
 }
 
 /// `eased` is (I + S W)^-1 E.
-void btVolumetricRow::prepareFriction(const double* eased)
+void btVolumetricRow::addFriction(const btFrictionBall& ball, const double* eased)
 {
-	const Map<const Mat63> E(m_E), easedE(eased);
-	Map<Mat63> WE(m_WE), CWE(m_CWE);
-	Map<Matrix3d> EWE(m_EWE);
+	Friction& f = m_frictions[m_frictionCount++];
+	f.coefficient = ball.coefficient;
+	std::copy(std::begin(ball.E), std::end(ball.E), f.E);
+	Map<Vector3d>(f.tangent).setZero();
+	const Map<const Mat63> E(f.E), easedE(eased);
+	Map<Mat63> WE(f.WE), CWE(f.CWE);
 	WE = Map<const Mat6>(m_W) * E;
 	CWE = E - easedE;
-	EWE = E.transpose() * WE;
 	const Matrix3d response = WE.transpose() * easedE;
 	double symmetric[3][3];
 	for (int i = 0; i < 3; ++i)
 		for (int j = 0; j < 3; ++j) symmetric[i][j] = 0.5 * (response(i, j) + response(j, i));
-	Map<Matrix3d> stick(m_stick);
+	Map<Matrix3d> stick(f.stick);
 	stick.setZero();
-	m_slide = 0;
+	f.slide = 0;
 	ist::SymmetricEigen<3> eigen;
 	if (!eigen.decompose(symmetric)) return;
 	const double largest = std::max({eigen.values[0], eigen.values[1], eigen.values[2]});
 	if (!(largest > 0)) return;
-	m_slide = 1 / largest;
+	f.slide = 1 / largest;
 	for (int i = 0; i < 3; ++i)
 	{
 		if (!(eigen.values[i] > kImmovable * largest)) continue;
@@ -161,43 +170,49 @@ void btVolumetricRow::prepareFriction(const double* eased)
 ist::Wrench btVolumetricRow::solve(const ist::Twist& relative)
 {
 	const Map<const Mat6> W(m_W), C(m_C);
-	const Map<const Mat63> E(m_E), WE(m_WE), CWE(m_CWE);
 	const Vector3d n = toEigen(m_normal);
 	Map<Vec6> elastic(m_elastic);
-	Map<Vector3d> tangent(m_tangent);
 	const auto normalPart = [&] { return n.dot(elastic.head<3>()); };
-	const auto answer = [&](const Vec6& impulse) {
-		elastic = impulse;
-		if (!(normalPart() > 0)) elastic.setZero();
+	const auto frictionThrough = [this](Matrix63 Friction::*matrix) {
+		Vec6 sum = Vec6::Zero();
+		for (int i = 0; i < m_frictionCount; ++i)
+			sum += Map<const Mat63>(m_frictions[i].*matrix) * Map<const Vector3d>(m_frictions[i].tangent);
+		return sum;
 	};
 
-	Vec6 before = elastic, without;
-	if (m_friction > 0) before += E * tangent;
+	const Vec6 before = elastic + frictionThrough(&Friction::E);
+	Vec6 without;
 	without << toEigen(relative.linear), toEigen(relative.angular);
 	without -= W * before;
 	const Vec6 alone = Map<const Vec6>(m_push) - C * without;
-	if (!(m_friction > 0))
+	const auto answer = [&] {
+		elastic = alone - frictionThrough(&Friction::CWE);
+		if (!(normalPart() > 0)) elastic.setZero();
+	};
+	answer();
+	for (int i = 0; i < m_frictionCount; ++i)
 	{
-		answer(alone);
-		const Vec6 change = elastic - before;
-		return {{change(0), change(1), change(2)}, {change(3), change(4), change(5)}};
-	}
-	answer(alone - CWE * tangent);
-	const double limit = m_friction * normalPart();
-	if (limit > 0)
-	{
-		const Vector3d slip = E.transpose() * without + WE.transpose() * elastic + Map<const Matrix3d>(m_EWE) * tangent;
-		Vector3d wanted = tangent - Map<const Matrix3d>(m_stick) * slip;
+		Friction& f = m_frictions[i];
+		Map<Vector3d> tangent(f.tangent);
+		const double limit = f.coefficient * normalPart();
+		if (!(limit > 0)) continue;
+		const Vector3d slip = Map<const Mat63>(f.E).transpose() * without +
+			Map<const Mat63>(f.WE).transpose() * (elastic + frictionThrough(&Friction::E));
+		Vector3d wanted = tangent - Map<const Matrix3d>(f.stick) * slip;
 		// Sliding friction acts along the slip itself. Scaling `wanted` back would turn the force towards the directions that move
 		// easily.
-		if (wanted.norm() > limit) wanted = tangent - m_slide * slip;
+		if (wanted.norm() > limit) wanted = tangent - f.slide * slip;
 		tangent = wanted.norm() > limit ? Vector3d(wanted * (limit / wanted.norm())) : wanted;
-		answer(alone - CWE * tangent);
+		answer();
 	}
-	const double finalLimit = m_friction * normalPart();
-	if (tangent.norm() > finalLimit) tangent *= finalLimit / tangent.norm();
+	for (int i = 0; i < m_frictionCount; ++i)
+	{
+		Map<Vector3d> tangent(m_frictions[i].tangent);
+		const double limit = m_frictions[i].coefficient * normalPart();
+		if (tangent.norm() > limit) tangent *= limit / tangent.norm();
+	}
 
-	const Vec6 change = elastic + E * tangent - before;
+	const Vec6 change = elastic + frictionThrough(&Friction::E) - before;
 	return {{change(0), change(1), change(2)}, {change(3), change(4), change(5)}};
 }
 
@@ -210,7 +225,8 @@ double btVolumetricRow::borne(const ist::Twist& twist) const
 
 ist::Wrench btVolumetricRow::impulse() const
 {
-	const Vec6 total = Map<const Vec6>(m_elastic) + Map<const Mat63>(m_E) * Map<const Vector3d>(m_tangent);
+	Vec6 total = Map<const Vec6>(m_elastic);
+	for (int i = 0; i < m_frictionCount; ++i) total += Map<const Mat63>(m_frictions[i].E) * Map<const Vector3d>(m_frictions[i].tangent);
 	return {{total(0), total(1), total(2)}, {total(3), total(4), total(5)}};
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletHapticForce/Law/btContactFriction.h"
 #include "BulletHapticForce/Law/btContactLaw.h"
 
 /// Inverse mass and inertia of a body, for a row. They are zero for a body that the solver cannot move.
@@ -18,16 +19,17 @@ struct btVolumetricRowBody
 /// during the step. docs/stability.md says where trees are too stiff for that. No inverse of K is needed, so K may have any rank. The
 /// patch never pulls: if the normal component is negative, the impulse is zero.
 ///
-/// Friction: the force along the surface and the drilling moment over the friction radius lie together within a ball of radius mu L_n.
-/// This is the ellipsoid that approximates the limit surface of a patch. There is no creep: within the ball the point does not slip.
+/// Friction: the force along the surface and the drilling moment over the friction radius lie together within a ball of radius mu L_n, and
+/// rolling and spinning friction within another (btContactFriction). There is no creep: within a ball nothing slips.
 class btVolumetricRow
 {
 public:
-	/// Prepares the row. `h` [s] must be positive; `friction` is Coulomb's coefficient, 0 or more.
-	void prepare(const btContactPatch& patch, const btVolumetricRowBody& A, const btVolumetricRowBody& B, double h, double friction);
+	/// Prepares the row. `h` [s] must be positive.
+	void prepare(const btContactPatch& patch, const btVolumetricRowBody& A, const btVolumetricRowBody& B, double h,
+		const btContactFriction& friction);
 	/// Prepares the row for any two objects that an impulse can move. `response` is W: the change of the relative twist at the patch's
 	/// point by an impulse on A there and its opposite on B.
-	void prepare(const btContactPatch& patch, const ist::SymmetricMatrix6& response, double h, double friction);
+	void prepare(const btContactPatch& patch, const ist::SymmetricMatrix6& response, double h, const btContactFriction& friction);
 
 	/// Visits the row once. `relative` is the twist of A minus that of B at `point()`, with all impulses so far. Returns the change of
 	/// the impulse on A, about `point()`.
@@ -46,22 +48,24 @@ public:
 	double normalImpulse() const;
 
 private:
-	void prepareFriction(const double* eased);
-
 	using Vector6 = double[6];
 	using Matrix6 = double[36];   // symmetric
 	using Matrix63 = double[18];  // column major
+	/// One ball of friction.
+	struct Friction
+	{
+		double coefficient = 0;
+		Matrix63 E, WE, CWE;  // unit impulses; twists by them; reduction of the elastic impulse by these twists
+		double stick[9];      // pseudo-inverse of E^T (W^-1 + S)^-1 E: impulse per slip, while the elastic part responds
+		double slide = 0;     // 1 / largest eigenvalue of the same matrix
+		double tangent[3] = {};
+	};
+	void addFriction(const btFrictionBall& ball, const double* eased);
 	ist::Vec3 m_point, m_normal;
 	Matrix6 m_W;     // J M^-1 J^T
 	Matrix6 m_C;     // (I + S W)^-1 S: reduction of the elastic impulse by a twist
 	Vector6 m_push;  // (I + S W)^-1 h w0: elastic impulse when all other impulses leave no twist
-	Matrix63 m_E;    // unit friction impulses; the third one is a moment over the friction radius
-	Matrix63 m_WE;   // W E: twists by the unit friction impulses
-	Matrix63 m_CWE;  // C W E: reduction of the elastic impulse by these twists
-	double m_EWE[9];
-	double m_stick[9];   // pseudo-inverse of E^T (W^-1 + S)^-1 E: friction impulse per slip, while the elastic part responds
-	double m_slide = 0;  // 1 / largest eigenvalue of the same matrix
-	double m_friction = 0;
+	Friction m_frictions[btContactFriction::kMostBalls];
+	int m_frictionCount = 0;
 	Vector6 m_elastic = {};
-	double m_tangent[3] = {};
 };

@@ -37,6 +37,18 @@ bool isPrecisionLost(const btISTContact& contact, const btCollisionObject& a, co
 	return rounding * norm(contact.total.areaVector) > 0.05 * contact.total.volume;
 }
 
+/// A game's contact-added callback may have set the friction of a point.
+btContactFriction frictionAt(const btManifoldPoint& point)
+{
+	return {double(point.m_combinedFriction), double(point.m_combinedRollingFriction), double(point.m_combinedSpinningFriction)};
+}
+
+btContactFriction frictionOf(const btCollisionObject& a, const btCollisionObject& b)
+{
+	return {double(gCalculateCombinedFrictionCallback(&a, &b)), double(gCalculateCombinedRollingFrictionCallback(&a, &b)),
+		double(gCalculateCombinedSpinningFrictionCallback(&a, &b))};
+}
+
 /// Distributes the normal impulse over the representative points in proportion to the force of their springs. Callbacks and games read it
 /// there.
 void writeAppliedImpulse(btPersistentManifold& manifold, double impulse)
@@ -72,16 +84,14 @@ void btVolumetricSolver<Base>::addContact(btISTContact& contact, btPersistentMan
 	const bool hasPoints = manifold.getNumContacts() > 0;
 	if (!a->hasContactResponse() || !b->hasContactResponse() || !(hasPoints || contact.deflected)) return;
 	statistics.contactsTooDeep += contact.isDeep();
-	// The friction is read from the point, because a game's contact-added callback may have set it there.
-	const btScalar combined = hasPoints ? manifold.getContactPoint(0).m_combinedFriction : gCalculateCombinedFrictionCallback(a, b);
-	const double friction = std::max(double(combined), 0.0);
+	const btContactFriction friction = hasPoints ? frictionAt(manifold.getContactPoint(0)) : frictionOf(*a, *b);
 	if (kHasLinks && (linkOf(a) || linkOf(b))) addLinkContact(contact, *a, *b, friction, info.m_timeStep);
 	else addRigidContact(contact, *a, *b, friction, info.m_timeStep);
 }
 
 template <class Base>
 void btVolumetricSolver<Base>::addRigidContact(
-	btISTContact& contact, btCollisionObject& a, btCollisionObject& b, double friction, btScalar step)
+	btISTContact& contact, btCollisionObject& a, btCollisionObject& b, const btContactFriction& friction, btScalar step)
 {
 	const int bodyA = this->getOrInitSolverBody(a, step), bodyB = this->getOrInitSolverBody(b, step);
 	const btSolverBody* pool = &this->m_tmpSolverBodyPool[0];
@@ -97,7 +107,7 @@ void btVolumetricSolver<Base>::addRigidContact(
 
 template <class Base>
 void btVolumetricSolver<Base>::addLinkContact(
-	btISTContact& contact, btCollisionObject& a, btCollisionObject& b, double friction, btScalar step)
+	btISTContact& contact, btCollisionObject& a, btCollisionObject& b, const btContactFriction& friction, btScalar step)
 {
 	if constexpr (kHasLinks)
 	{

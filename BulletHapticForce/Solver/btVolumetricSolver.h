@@ -74,8 +74,10 @@ private:
 
 	btISTContact* volumetricContact(const btPersistentManifold* manifold);
 	void addContact(btISTContact& contact, btPersistentManifold& manifold, const btContactSolverInfo& info);
-	void addRigidContact(btISTContact& contact, btCollisionObject& a, btCollisionObject& b, double friction, btScalar step);
-	void addLinkContact(btISTContact& contact, btCollisionObject& a, btCollisionObject& b, double friction, btScalar step);
+	void addRigidContact(
+		btISTContact& contact, btCollisionObject& a, btCollisionObject& b, const btContactFriction& friction, btScalar step);
+	void addLinkContact(
+		btISTContact& contact, btCollisionObject& a, btCollisionObject& b, const btContactFriction& friction, btScalar step);
 	void collectTouchedBodies();
 	void keepState();
 	void restoreState();

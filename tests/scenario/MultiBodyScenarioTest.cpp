@@ -8,6 +8,7 @@
 #include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
 
 #include <functional>
+#include <utility>
 
 using namespace scenario;
 using ist::Vec3;
@@ -119,7 +120,7 @@ btQuaternion turned(const Vec3& rotation) { return at({}, rotation).getRotation(
 // A multibody without links is a rigid body: both must tumble onto the floor along the same path.
 TEST(MultiBody, FreeBaseMovesLikeARigidBody)
 {
-	for (const double friction : {0.0, 0.6})
+	for (const auto& [friction, rolling] : {std::pair(0., 0.), std::pair(.6, 0.), std::pair(.6, .05)})
 	{
 		LinkScene scene;
 		const double rate = 240, k = 1e4;
@@ -134,7 +135,10 @@ TEST(MultiBody, FreeBaseMovesLikeARigidBody)
 			0, kMass, kMass / 6, {5, 0.9, 3}, [&](btMultiBody& b) { b.setWorldToBaseRot(turned(tilt).inverse()); });
 		btMultiBodyLinkCollider* collider = scene.addCollider(m, -1, s, k);
 		for (btCollisionObject* o : {static_cast<btCollisionObject*>(rigid), static_cast<btCollisionObject*>(collider)})
+		{
 			o->setFriction(btScalar(friction));
+			o->setRollingFriction(btScalar(rolling));
+		}
 		rigid->setLinearVelocity(vec(speed));
 		rigid->setAngularVelocity(vec(spin));
 		m->setBaseVel(vec(speed));
@@ -147,7 +151,7 @@ TEST(MultiBody, FreeBaseMovesLikeARigidBody)
 			worst = std::max(worst, double((m->getBasePos() - rigid->getWorldTransform().getOrigin() - btVector3(10, 0, 0)).length()));
 		}
 		EXPECT_GT(pushed, kMass * 2);
-		EXPECT_LT(worst, kDouble ? 1e-5 : 1e-3) << friction;
+		EXPECT_LT(worst, kDouble ? 1e-5 : 1e-3) << friction << ' ' << rolling;
 		EXPECT_LT(double((m->getBaseVel() - rigid->getLinearVelocity()).length()), kDouble ? 1e-4 : 1e-2);
 	}
 }

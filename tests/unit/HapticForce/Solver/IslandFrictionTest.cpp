@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 using namespace island;
 
@@ -41,8 +42,25 @@ struct FrictionCount
 	int sticking = 0, sliding = 0, undecided = 0;
 };
 
-/// Checks Coulomb's law: within its limit friction leaves no slip; at the limit it acts against the slip.
-void expectCoulomb(Scene scene, uint64_t seed, FrictionCount& count)
+/// Checks Coulomb's law of one ball: within its limit friction leaves no slip; at the limit it acts against the slip. Both are in units of
+/// force. `largest` is the largest normal impulse, a ten-millionth of which the search for friction may leave.
+void expectCoulomb(const Vec6& lambda, const Vec6& slip, double limit, double largest, FrictionCount& count, const std::string& where)
+{
+	EXPECT_LE(lambda.norm(), limit * (1 + 1e-5) + 1e-7 * largest) << where;
+	if (lambda.norm() < limit * (1 - 1e-4) - 1e-7 * largest)
+	{
+		++count.sticking;
+		EXPECT_LE(slip.norm(), 1e-5) << where;
+	}
+	else if (limit > 0 && slip.norm() > 1e-4)
+	{
+		++count.sliding;
+		EXPECT_LE(lambda.dot(slip) / (lambda.norm() * slip.norm()), -1 + 1e-4) << where;
+	}
+}
+
+/// Checks the law of all patches. Where friction resists spinning too, `rolling` is given, and the friction radii must be zero.
+void expectCoulomb(Scene scene, uint64_t seed, FrictionCount& count, FrictionCount* rolling = nullptr)
 {
 	btIslandBlockSolver solver;
 	ASSERT_TRUE(scene.solve(solver));
@@ -58,28 +76,27 @@ void expectCoulomb(Scene scene, uint64_t seed, FrictionCount& count)
 	for (size_t k = 0; k < scene.contacts.size(); ++k)
 	{
 		const auto& c = scene.contacts[k];
-		const double limit = c.friction * solver.normalImpulse(int(k));
-		if (!(limit > 1e-6)) continue;
+		const double normal = solver.normalImpulse(int(k));
+		if (!(normal > 1e-6)) continue;
 		const Vec6 u = scene.relative(c, v);
 		const ist::Wrench got = solver.impulse(int(k));
 		const Eigen::Vector3d n = Scene::eigen(c.patch.normal);
 		const Vec6 friction = Scene::vec(got.force, got.torque) - (scene.push(c) - scene.S(c) * u);
-		// Both are in units of force: the part along the surface, and the moment about the normal over the friction radius.
-		Eigen::Vector4d lambda, slip;
-		lambda << friction.head<3>() - n * n.dot(friction.head<3>()), n.dot(friction.tail<3>()) / c.patch.frictionRadius;
-		slip << u.head<3>() - n * n.dot(u.head<3>()), n.dot(u.tail<3>()) * c.patch.frictionRadius;
-		// The sweeps end when no impulse changes by more than a ten-millionth of the largest normal impulse.
-		EXPECT_LE(lambda.norm(), limit * (1 + 1e-5) + 1e-7 * largest) << "seed " << seed << " patch " << k;
-		if (lambda.norm() < limit * (1 - 1e-4) - 1e-7 * largest)
+		const std::string where = "seed " + std::to_string(seed) + " patch " + std::to_string(k);
+		const auto across = [&n](const auto& v) -> Eigen::Vector3d { return v - n * n.dot(v); };
+		Vec6 lambda = Vec6::Zero(), slip = Vec6::Zero();
+		lambda.head<3>() = across(friction.head<3>());
+		slip.head<3>() = across(u.head<3>());
+		if (c.patch.frictionRadius > 0)
 		{
-			++count.sticking;
-			EXPECT_LE(slip.norm(), 1e-5) << "seed " << seed << " patch " << k;
+			lambda(3) = n.dot(friction.tail<3>()) / c.patch.frictionRadius;
+			slip(3) = n.dot(u.tail<3>()) * c.patch.frictionRadius;
 		}
-		else if (slip.norm() > 1e-4)
-		{
-			++count.sliding;
-			EXPECT_LE(lambda.dot(slip) / (lambda.norm() * slip.norm()), -1 + 1e-4) << "seed " << seed << " patch " << k;
-		}
+		expectCoulomb(lambda, slip, c.friction.sliding * normal, largest, count, where);
+		if (!rolling) continue;
+		lambda << across(friction.tail<3>()) / c.friction.rolling, n * n.dot(friction.tail<3>()) / c.friction.spinning;
+		slip << across(u.tail<3>()) * c.friction.rolling, n * n.dot(u.tail<3>()) * c.friction.spinning;
+		expectCoulomb(lambda, slip, normal, largest, *rolling, where + " rolling");
 	}
 }
 }  // namespace
@@ -131,6 +148,24 @@ TEST(btIslandBlockSolver, FrictionBetweenRandomPatchesOpposesTheSlip)
 	EXPECT_EQ(count.undecided, 0);
 }
 
+// Rolling friction resists all rotations, with and without sliding friction beside it.
+TEST(btIslandBlockSolver, RollingFrictionOpposesTheRotation)
+{
+	FrictionCount sliding, rolling;
+	for (uint64_t seed = 1; seed <= 60; ++seed)
+	{
+		const double length = seed % 5 < 2 ? 0.02 : 0.5;
+		const btContactFriction friction(seed % 3 ? 0.4 : 0, length, 2 * length);
+		Scene scene = randomScene(seed, friction, std::pow(10.0, 2 + double(seed % 4)), seed % 2 ? 1 : 0.02);
+		for (Scene::Contact& c : scene.contacts) c.patch.frictionRadius = 0;
+		expectCoulomb(scene, seed, sliding, &rolling);
+	}
+	EXPECT_GT(sliding.sliding, 50);
+	EXPECT_GT(rolling.sliding, 100);
+	EXPECT_GT(rolling.sticking, 10);
+	EXPECT_EQ(rolling.undecided, 0);
+}
+
 // Where the search ends too early, as in one of fifty of these scenes, friction is still within the limit of the normal impulse, and the
 // normal impulse belongs to the resulting motion.
 TEST(btIslandBlockSolver, FrictionStaysWithinItsLimitWhereItIsNotFound)
@@ -153,8 +188,8 @@ TEST(btIslandBlockSolver, FrictionStaysWithinItsLimitWhereItIsNotFound)
 			const auto& c = scene.contacts[k];
 			const double normal = solver.normalImpulse(int(k));
 			const ist::Wrench elastic = solver.elasticImpulse(int(k)), friction = solver.impulse(int(k)) - elastic;
-			EXPECT_LE(
-				std::hypot(norm(friction.force), norm(friction.torque) / c.patch.frictionRadius), c.friction * normal + 1e-6 * largest)
+			EXPECT_LE(std::hypot(norm(friction.force), norm(friction.torque) / c.patch.frictionRadius),
+				c.friction.sliding * normal + 1e-6 * largest)
 				<< "seed " << seed << " patch " << k;
 			const Vec6 expected = scene.push(c) - scene.S(c) * scene.relative(c, v);
 			const double error = (expected.head<3>() - Scene::eigen(elastic.force)).norm();

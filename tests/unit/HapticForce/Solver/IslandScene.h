@@ -28,7 +28,7 @@ struct Scene
 		btContactPatch patch;
 		int a, b;
 		ist::Twist given;
-		double friction;
+		btContactFriction friction;
 	};
 	std::vector<Contact> contacts;
 	std::mt19937_64 random;
@@ -56,7 +56,7 @@ struct Scene
 		return int(bodies.size()) - 1;
 	}
 	/// Adds a patch of `points` springs within 20 cm and 15 degrees of its normal, each slightly compressed.
-	void addContact(int a, int b, double stiffness, double friction, int points = 6)
+	void addContact(int a, int b, double stiffness, const btContactFriction& friction, int points = 6)
 	{
 		Contact c{{}, a, b, {}, friction};
 		if (b < 0) c.given = {vector(0.1 * speed), vector(0.1 * speed)};
@@ -186,7 +186,7 @@ struct Scene
 	}
 };
 
-inline Scene randomScene(uint64_t seed, double friction, double stiffness, double maxSpeed = 1)
+inline Scene randomScene(uint64_t seed, const btContactFriction& friction, double stiffness, double maxSpeed = 1)
 {
 	Scene scene(seed, maxSpeed);
 	const int n = 2 + int(seed % 6);

@@ -315,6 +315,32 @@ TEST(VolumetricRow, SpinningIsBrakedByMuTimesTheNormalForceTimesTheFrictionRadiu
 	EXPECT_EQ(point.impulse().torque.y, 0);
 }
 
+// The two bodies turn about the contact, so that nothing but rolling friction brakes them.
+TEST(VolumetricRow, RollingAndSpinningAreBrakedByLengthsTimesTheNormalForce)
+{
+	for (const double mu : {0.0, 0.4})
+		for (int i = 0; i < 24; ++i)
+		{
+			const double heading = 0.2618 * i + 0.05, rolling = 0.03, spinning = 0.02;
+			const Problem p = sliding(0);
+			const double normal = 100 * p.h;
+			for (const Vec3& axis : {Vec3{std::cos(heading), 0, std::sin(heading)}, Vec3{0, 1, 0}})
+			{
+				btVolumetricRow row;
+				row.prepare(p.patch, p.A, p.B, p.h, {mu, rolling, spinning});
+				iterate(row, p, {0, 0, 0, 50 * axis.x, 50 * axis.y, 50 * axis.z});
+				EXPECT_NEAR(row.normalImpulse(), normal, 1e-9 * normal);
+				const double limit = (axis.y > 0 ? spinning : rolling) * normal;
+				EXPECT_LT(norm(row.impulse().torque + limit * axis), 1e-9 * limit) << heading << ' ' << mu;
+				// 1e-6 rad/s is less than the friction can stop.
+				btVolumetricRow held;
+				held.prepare(p.patch, p.A, p.B, p.h, {mu, rolling, spinning});
+				const Vector after = iterate(held, p, {0, 0, 0, 1e-6 * axis.x, 1e-6 * axis.y, 1e-6 * axis.z}, 50);
+				EXPECT_LT(norm(twist(after).angular), 1e-12) << heading << ' ' << mu;
+			}
+		}
+}
+
 TEST(VolumetricRow, StaysFiniteAndInBoundsInHardCases)
 {
 	for (uint64_t seed = 0; seed < 40; ++seed)
@@ -328,7 +354,7 @@ TEST(VolumetricRow, StaysFiniteAndInBoundsInHardCases)
 				if (bodies == 2) p.B = {}, p.A.inverseMass.x = 0, p.A.inverseInertia = ist::zeroMat3();
 				if (bodies == 3) p.A = {}, p.B = {};
 				btVolumetricRow row;
-				row.prepare(p.patch, p.A, p.B, p.h, 0.6);
+				row.prepare(p.patch, p.A, p.B, p.h, {0.6, seed % 3 == 0 ? 0.1 : 0, seed % 3 < 2 ? 0.2 : 0});
 				const Vector after = iterate(row, p, randomTwist(seed, 1));
 				EXPECT_TRUE(ist::isFinite(row.impulse())) << seed << " " << stiffness << " " << bodies;
 				for (const double x : after) EXPECT_TRUE(std::isfinite(x));
