@@ -114,6 +114,30 @@ btISTPairReport withoutContact(const Objects& pair, const btISTRegistry& registr
 	return report;
 }
 
+/// What the solver did, and how often one of its searches ended early; empty where it has solved nothing.
+std::string solverLine(const btVolumetricStatistics& s)
+{
+	if (s.islands + s.islandsTooLarge == 0) return {};
+	std::string line = "solver: " + std::to_string(s.islands) + " islands solved at once";
+	const auto add = [&line](uint64_t count, const char* what) {
+		if (count > 0) line += ", " + std::to_string(count) + what;
+	};
+	add(s.islandsTooLarge, " too large for that, in Bullet's iterations");
+	add(s.frictionNotConverged, " whose friction was not found to the end");
+	add(s.activeSetsNotFound, " in which a patch that would push may have exerted nothing");
+	add(s.solvedAgain, " solves repeated for bodies that were deflected");
+	add(s.bodiesHeld, " bodies held for a part of a step");
+	return line;
+}
+
+std::string solverJson(const btVolumetricStatistics& s)
+{
+	return "{\"islands\":" + std::to_string(s.islands) + ",\"islands_too_large\":" + std::to_string(s.islandsTooLarge) +
+		",\"friction_not_converged\":" + std::to_string(s.frictionNotConverged) +
+		",\"active_sets_not_found\":" + std::to_string(s.activeSetsNotFound) + ",\"solved_again\":" + std::to_string(s.solvedAgain) +
+		",\"bodies_held\":" + std::to_string(s.bodiesHeld) + "}";
+}
+
 std::string numbered(const btCollisionObject* object) { return "body " + std::to_string(object->getWorldArrayIndex()); }
 
 std::string jsonNumber(double value) { return std::isfinite(value) ? number(value, 9) : "null"; }
@@ -193,6 +217,7 @@ const char* btISTPairReport::nameOf(btISTStiffnessRule rule)
 btISTSceneReport btISTSceneReport::of(btISTWorld& world, const Names& names)
 {
 	btISTSceneReport report = of(world.bullet(), world.registration(), names);
+	report.solver = world.statistics();
 	const btCollisionObjectArray& objects = world.bullet().getCollisionObjectArray();
 	const auto nameOf = [&](const btCollisionObject* object) -> std::string {
 		if (!object || objects.findLinearSearch2(const_cast<btCollisionObject*>(object)) < 0) return {};
@@ -260,6 +285,7 @@ std::vector<std::string> btISTSceneReport::lines() const
 	rows.push_back("contact cache " + std::string(contactCache.on ? "on" : "off") + granted + "; " + std::to_string(total.asked) +
 		" queries, " + std::to_string(total.cached()) + " from the cache: a query in " + number(total.factor(), 3) +
 		" steps of a pair; queries " + number(1e3 * total.querySeconds, 3) + " ms, saved about " + number(1e3 * savedSeconds, 3) + " ms");
+	if (const std::string solved = solverLine(solver); !solved.empty()) rows.push_back(solved);
 	for (const btISTWarningReport& w : warnings)
 	{
 		std::string line = "warning: " + std::string(btISTWarnings::nameOf(w.kind)) + ", " + std::to_string(w.record.count) + " times";
@@ -306,7 +332,7 @@ std::string btISTSceneReport::json() const
 		",\"queries\":" + std::to_string(total.asked) + ",\"kept\":" + std::to_string(total.cached()) +
 		",\"factor\":" + jsonNumber(total.factor()) + ",\"seconds\":" + jsonNumber(total.seconds) +
 		",\"query_seconds\":" + jsonNumber(total.querySeconds) + ",\"saved_seconds\":" + jsonNumber(savedSeconds) +
-		",\"largest_kept_error\":" + jsonNumber(total.largestCacheError) + ",\"warnings\":[";
+		",\"largest_kept_error\":" + jsonNumber(total.largestCacheError) + ",\"solver\":" + solverJson(solver) + ",\"warnings\":[";
 	for (size_t i = 0; i < warnings.size(); ++i)
 	{
 		const btISTWarningReport& w = warnings[i];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #pragma once
 
+#include "BulletHapticForce/Solver/btVolumetricStatistics.h"
 #include "BulletHapticForce/World/btISTWarnings.h"
 
 #include <functional>
@@ -78,16 +79,19 @@ struct btISTSceneReport
 	btISTQueryCost total;                      ///< cost of all volumetric pairs, including those that no longer exist
 	double savedSeconds = 0;                   ///< sum over the pairs above
 	std::vector<btISTWarningReport> warnings;  ///< of a btISTWorld: the kinds that occurred
+	btVolumetricStatistics solver;             ///< of a btISTWorld
 
 	static btISTSceneReport of(btISTWorld& world, const Names& names = {});
 	static btISTSceneReport of(const btCollisionWorld& world, btISTRegistration& registration, const Names& names = {});
 
-	/// One line about the whole world, one for each warning, then one for each pair.
+	/// One line about the queries of the whole world, one about its solver if it has solved anything, one for each warning, then one for
+	/// each pair.
 	std::vector<std::string> lines() const;
 	std::string text() const;
 	/// One object; numbers that are not finite are null.
 	/// {"schema":1, "economy", "kept_error", "accepted_error", "queries", "kept", "factor", "seconds", "query_seconds", "saved_seconds",
-	/// "largest_kept_error", "warnings":[{"kind", "count", "a", "b", "k", "depth", "depth_share", "advice"}], "pairs":[{"a", "b", "model",
+	/// "largest_kept_error", "solver":{"islands", "islands_too_large", "friction_not_converged", "active_sets_not_found", "solved_again",
+	/// "bodies_held"}, "warnings":[{"kind", "count", "a", "b", "k", "depth", "depth_share", "advice"}], "pairs":[{"a", "b", "model",
 	/// "level", "reason", "patches", "leaf_pairs", "force", "k", "stiffness_rule", "depth", "depth_share", "deepest", "load", "advice",
 	/// "expected_error", "accepted_error", "promised_error", "promise_kept", "queries", "kept", "node_visits", "ball_tests", "seconds",
 	/// "query_seconds", "saved_seconds"}]}. "economy" is the contact cache, "kept" counts cached results, and "promised_error" is the error

@@ -114,7 +114,27 @@ TEST(btISTSceneReport, SaysWhichModelAnswersForWhichPairAndWhy)
 	EXPECT_TRUE(std::isnan(hull->expectedError));
 	EXPECT_EQ(report.total.asked, box->cost.asked + tree->cost.asked);
 	EXPECT_NE(report.text().find("on tree"), std::string::npos);
-	EXPECT_EQ(report.lines().size(), 6u);
+	EXPECT_EQ(report.lines().size(), 7u);
+}
+
+TEST(btISTSceneReport, SaysHowOftenASearchOfTheSolverEndedEarly)
+{
+	Row row;
+	EXPECT_EQ(row.report().text().find("solver"), std::string::npos) << "it has solved nothing";
+	row.add("floor", &row.treeFloor, 0, 0, -.5);
+	row.add("cube", &row.cube, 1, 0, .495);
+	for (int i = 0; i < 10; ++i) ASSERT_FALSE(row.world.step(1.0 / 240));
+	btISTSceneReport report = row.report();
+	EXPECT_EQ(report.solver.islands, 10u);
+	EXPECT_EQ(report.lines()[1], "solver: 10 islands solved at once");
+	report.solver.frictionNotConverged = 3;
+	report.solver.activeSetsNotFound = 2;
+	report.solver.bodiesHeld = 1;
+	EXPECT_NE(report.lines()[1].find(", 3 whose friction was not found"), std::string::npos) << report.lines()[1];
+	EXPECT_NE(report.lines()[1].find(", 2 in which"), std::string::npos) << report.lines()[1];
+	EXPECT_NE(report.json().find("\"friction_not_converged\":3,\"active_sets_not_found\":2,\"solved_again\":0,\"bodies_held\":1}"),
+		std::string::npos)
+		<< report.json();
 }
 
 TEST(btISTSceneReport, ForceIsTheWeightOfWhatRestsAndSleepersKeepTheirs)
