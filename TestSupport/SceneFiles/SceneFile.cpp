@@ -160,6 +160,8 @@ void SceneReader::readMaterial(JsonFields& f)
 	material.stiffness = f.number("stiffness", 0, 1, 1e15);
 	material.dissipation = f.number("dissipation", -1, 0, 1e6);
 	material.friction = f.number("friction", material.friction, 0, 100);
+	material.rollingFriction = f.number("rollingFriction", 0, 0, 100);
+	material.spinningFriction = f.number("spinningFriction", 0, 0, 100);
 	m_materials.push_back(material);
 }
 

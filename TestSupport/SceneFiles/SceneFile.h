@@ -35,6 +35,8 @@ struct SceneMaterial
 	double stiffness = 0;     ///< k_X [Pa/m]; 0: not set
 	double dissipation = -1;  ///< dissipation [s/m]; negative: not set
 	double friction = 0.5;    ///< friction coefficient; Bullet multiplies those of both bodies
+	/// rolling and spinning friction [m]: largest moments over the normal force; Bullet multiplies each by the friction of the other body
+	double rollingFriction = 0, spinningFriction = 0;
 };
 
 struct SceneBody

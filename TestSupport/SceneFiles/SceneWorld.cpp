@@ -151,6 +151,8 @@ Result<SceneWorld::Body> makeBody(const SceneBody& from, const std::vector<Asset
 	body.body->setWorldTransform(pose);
 	body.body->setInterpolationWorldTransform(pose);
 	body.body->setFriction(btScalar(from.material.friction));
+	body.body->setRollingFriction(btScalar(from.material.rollingFriction));
+	body.body->setSpinningFriction(btScalar(from.material.spinningFriction));
 	body.body->setGravity(toBullet(gravity));
 	return body;
 }

@@ -85,6 +85,8 @@ private:
 		const btContactMaterial set = m_world.volumetric()->materials().find(&body);
 		const std::string name = "of " + to["name"].text();
 		Json material = {{"name", name}, {"friction", double(body.getFriction())}};
+		if (body.getRollingFriction() > 0) material["rollingFriction"] = double(body.getRollingFriction());
+		if (body.getSpinningFriction() > 0) material["spinningFriction"] = double(body.getSpinningFriction());
 		if (set.stiffness > 0) material["stiffness"] = set.stiffness;
 		if (set.dissipation >= 0) material["dissipation"] = set.dissipation;
 		m_json["materials"].append(material);

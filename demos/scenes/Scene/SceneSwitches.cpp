@@ -62,7 +62,9 @@ void SceneSwitches::add(const SceneHook& hook, PlayedHand& hand, const std::list
 		s->name = wordFor(hook.what);
 		if (hook.what == What::Pair) addPairs(hook, hands, *s);
 		else s->hand = &hand;
-		const auto addBody = [&](btRigidBody& body) { s->rubbing.push_back({&body, body.getFriction()}); };
+		const auto addBody = [&](btRigidBody& body) {
+			s->rubbing.push_back({&body, body.getFriction(), body.getRollingFriction(), body.getSpinningFriction()});
+		};
 		if (hook.what == What::Friction && !hand.parts) addBody(*m_world.body(hand.scene->tool).body);
 		for (int part = 0; hook.what == What::Friction && hand.parts && part < kHandParts; ++part) addBody(hand.parts->body(part));
 	}
@@ -101,7 +103,12 @@ void SceneSwitches::applyToWorld(SceneSwitch& s) noexcept
 	const unsigned on = s.on.load(std::memory_order_relaxed);
 	if (on == s.applied) return;
 	s.applied = on;
-	for (const auto& [body, friction] : s.rubbing) body->setFriction(on ? friction : btScalar(0));
+	for (const auto& [body, sliding, rolling, spinning] : s.rubbing)
+	{
+		body->setFriction(on ? sliding : btScalar(0));
+		body->setRollingFriction(on ? rolling : btScalar(0));
+		body->setSpinningFriction(on ? spinning : btScalar(0));
+	}
 	btISTPairFilter& filter = m_world.world().pairFilter();
 	for (const auto& [a, b] : s.pairs)
 		if (on) filter.addPair(a, b);

@@ -14,11 +14,17 @@ namespace scenes
 /// A thing that hooks switch on and off: friction, coupling or forces of a hand, or a pair of the world. It is on at first.
 struct SceneSwitch
 {
+	/// A body with its friction while the switch is on.
+	struct Rubbing
+	{
+		btRigidBody* body;
+		btScalar sliding, rolling, spinning;
+	};
 	SceneHook::What what = SceneHook::What::Friction;
-	PlayedHand* hand = nullptr;                                                        ///< null for a pair
-	std::optional<size_t> pair, partPair;                                              ///< as in SceneHook
-	std::string name;                                                                  ///< "friction", or "pair a, b"
-	std::vector<std::pair<btRigidBody*, btScalar>> rubbing;                            ///< bodies, with their friction while it is on
+	PlayedHand* hand = nullptr;            ///< null for a pair
+	std::optional<size_t> pair, partPair;  ///< as in SceneHook
+	std::string name;                      ///< "friction", or "pair a, b"
+	std::vector<Rubbing> rubbing;
 	std::vector<std::pair<const btCollisionObject*, const btCollisionObject*>> pairs;  ///< pairs that the world accepts while it is on
 	std::atomic<unsigned> on{1};
 	unsigned applied = 1;  ///< state that the world has; for the thread that owns it

@@ -46,6 +46,8 @@ TEST(SceneSaver, ASavedStackStandsOnAsTheDemoDoes)
 	const Folder folder;
 	const auto demo = ran("stack", 1);
 	DemoWorld& world = *demo->worlds().front();
+	world.bodies()[0].body->setRollingFriction(btScalar(.01));
+	world.bodies()[1].body->setSpinningFriction(btScalar(.01));
 	const auto leftOut = demo->saveScene(folder.file());
 	ASSERT_TRUE(leftOut) << leftOut.error().message;
 	const auto scene = scenes::loadScene(folder.file());
@@ -61,6 +63,8 @@ TEST(SceneSaver, ASavedStackStandsOnAsTheDemoDoes)
 		EXPECT_LT(distance(toVec3(was.getWorldTransform().getOrigin()), toVec3(is.getWorldTransform().getOrigin())), 1e-6);
 		EXPECT_NEAR(double(is.getInvMass()), double(was.getInvMass()), 1e-5 * double(was.getInvMass()));
 		EXPECT_EQ(is.getFriction(), was.getFriction());
+		EXPECT_EQ(is.getRollingFriction(), was.getRollingFriction());
+		EXPECT_EQ(is.getSpinningFriction(), was.getSpinningFriction());
 	}
 	for (int i = 0; i < 240; ++i)
 	{

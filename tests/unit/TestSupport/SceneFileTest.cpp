@@ -30,7 +30,7 @@ const char* const kWhole = R"({
 		{"name": "ball", "shape": "sphere", "radius": 0.02, "spheres": 50}
 	],
 	"materials": [
-		{"name": "wood", "density": 700, "stiffness": 1e7, "dissipation": 3, "friction": 0.6}
+		{"name": "wood", "density": 700, "stiffness": 1e7, "dissipation": 3, "friction": 0.6, "rollingFriction": 0.02, "spinningFriction": 0.01}
 	],
 	"bodies": [
 		{"name": "floor", "plane": {"normal": [0, 0, 2], "offset": -0.5}, "friction": 0.9},
@@ -121,6 +121,8 @@ TEST(SceneFile, ReadsBodiesHandAndHooks)
 	EXPECT_EQ(s.bodies[1].material.stiffness, 1e7);
 	EXPECT_EQ(s.bodies[1].material.dissipation, 3);
 	EXPECT_EQ(s.bodies[1].material.friction, 0.6);
+	EXPECT_EQ(s.bodies[1].material.rollingFriction, 0.02);
+	EXPECT_EQ(s.bodies[1].material.spinningFriction, 0.01);
 	// A quarter turn about y takes z to x.
 	EXPECT_LT(distance(s.bodies[1].X_BM * Vec3{0, 0, 1}, {2, 2, 3}), 1e-12);
 	EXPECT_EQ(s.bodies[2].asset, 2u);
