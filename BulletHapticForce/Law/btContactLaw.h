@@ -31,7 +31,7 @@ bool evaluateContactPatch(const btISTContact& contact, int patchIndex, btContact
 /// Changes the stiffness of an evaluated patch by `factor`. All of its forces, its stiffness and its damping are proportional to k.
 void multiply(btContactPatch& patch, double factor);
 
-/// Leaves out of the stiffness of an evaluated patch on a plane what a body that rolls does not feel. H [m]: height of the centre of mass
+/// Leaves out of the stiffness of an evaluated patch what a body that rolls on the other does not feel. H [m]: height of the centre of mass
 /// above the patch's point, against the force. `curvature`: 1 / H; of two bodies that can move, the sum of theirs, as that of balls that
 /// roll on each other. `spin`: twist of A less that of B [rad/s], in a step `h`.
 /// - A rotation about the point moves the force on, and the centre of mass with it. Only what the stiffness of rotation has beyond the

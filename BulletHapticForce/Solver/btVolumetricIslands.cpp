@@ -248,12 +248,12 @@ void btVolumetricIslands::carryLoads(const btSolverBody* bodies)
 		});
 }
 
-/// On a plane, contact moves on with a body that rolls.
+/// Contact moves on with a body that rolls.
 void btVolumetricIslands::leaveOutRolling(const btSolverBody* bodies)
 {
 	for (Entry& e : m_entries)
 	{
-		if (e.kept || !(e.contact->patches[e.patchIndex].foundationVolume > 0)) continue;
+		if (e.kept) continue;
 		double curvature = 0;
 		for (int side = 0; side < 2; ++side)
 		{

@@ -238,10 +238,9 @@ void btVolumetricLinks::add(btISTContact& contact, const Side& a, const Side& b,
 	statistics.contactsTurnedOver += btContactEnergyTank::begin(contact, speed, h);
 }
 
-/// On a plane, contact moves on with a body that rolls.
+/// Contact moves on with a body that rolls.
 void btVolumetricLinks::leaveOutRolling(Entry& e, const ist::Vec3& spin, double h)
 {
-	if (!(e.contact->patches[e.patchIndex].foundationVolume > 0)) return;
 	double curvature = 0;
 	for (const btCollisionObject* object : {e.contact->bodyA, e.contact->bodyB})
 		if (!object->isStaticOrKinematicObject())

@@ -161,15 +161,27 @@ TEST(DefaultContact, NothingFastPassesSomethingThin)
 			}
 }
 
-// A ball on a plane has no rolling resistance: the pressure stays below its centre.
-TEST(DefaultContact, ABallRollsOnAPlaneWithoutResistance)
+// A ball on flat ground has no rolling resistance: the pressure stays below its centre. What it loses comes from its facets: with 5,120 and
+// with 81,920 triangles, with 1,000 and with 10,000 spheres it keeps 4.994 to 4.999 of 5 m/s.
+TEST(DefaultContact, ABallRollsOnFlatGroundWithoutResistance)
 {
+	enum Ground
+	{
+		Plane,
+		Box,
+		Tree
+	};
 	constexpr double kMass = 1, kRadius = .5, kInertia = .4 * kMass * kRadius * kRadius, kSpeed = 5;
 	const Solid ball(ist::makeSphereMesh(kRadius, 4), 500);  // 5,120 triangles
-	for (const double rate : {60., 240.})
+	const ist::Vec3 half{30, .5, 30};
+	const Solid ground(ist::makeBoxMesh(half), 1000);
+	for (const auto& [rate, kind] :
+		{std::pair(60., Plane), std::pair(240., Plane), std::pair(60., Box), std::pair(60., Tree), std::pair(240., Tree)})
 	{
 		Scene scene;
-		scene.addFloor()->setFriction(btScalar(.7));
+		btCollisionShape* below = kind == Tree ? scene.volumetricShape(ground) : scene.shape<btBoxShape>(vec(half));
+		btRigidBody* floor = kind == Plane ? scene.addFloor() : scene.add(below, 0, 0, at({0, -half.y, 0}));
+		floor->setFriction(btScalar(.7));
 		btRigidBody* body = scene.add(scene.volumetricShape(ball), kMass, kInertia, at({0, kRadius, 0}));
 		body->setFriction(btScalar(.7));
 		scene.run(.5, rate);
@@ -186,10 +198,11 @@ TEST(DefaultContact, ABallRollsOnAPlaneWithoutResistance)
 			scene.step(1 / rate);
 			most = std::max(most, energy());
 		}
-		EXPECT_LT(most, 1.001 * given) << rate;
+		EXPECT_LT(most, 1.001 * given) << rate << ' ' << kind;
 		const double speed = double(body->getLinearVelocity().length());
-		EXPECT_GT(speed, .9 * kSpeed) << rate;
-		EXPECT_NEAR(double(body->getAngularVelocity().length()) * kRadius, speed, .05 * kSpeed) << rate << ": it does not slide";
+		EXPECT_GT(speed, .998 * kSpeed) << rate << ' ' << kind;
+		EXPECT_NEAR(double(body->getAngularVelocity().length()) * kRadius, speed, .005 * kSpeed)
+			<< rate << ' ' << kind << ": it does not slide";
 	}
 }
 
