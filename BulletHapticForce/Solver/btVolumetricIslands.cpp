@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/Solver/btVolumetricIslands.h"
 
+#include "BulletHapticForce/Solver/btFlatPatch.h"
 #include "BulletHapticForce/Solver/btSolverBodyMotion.h"
 
 #include "BulletDynamics/Dynamics/btRigidBody.h"
@@ -248,12 +249,12 @@ void btVolumetricIslands::carryLoads(const btSolverBody* bodies)
 		});
 }
 
-/// Contact moves on with a body that rolls.
+/// On what is flat, contact moves on with a body that rolls.
 void btVolumetricIslands::leaveOutRolling(const btSolverBody* bodies)
 {
 	for (Entry& e : m_entries)
 	{
-		if (e.kept) continue;
+		if (e.kept || !btIsFlatPatch(e.contact->patches[e.patchIndex])) continue;
 		double curvature = 0;
 		for (int side = 0; side < 2; ++side)
 		{

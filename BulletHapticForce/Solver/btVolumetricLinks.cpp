@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/Solver/btVolumetricLinks.h"
 
+#include "BulletHapticForce/Solver/btFlatPatch.h"
 #include "BulletHapticForce/Solver/btSolverBodyMotion.h"
 
 #include "BulletDynamics/Featherstone/btMultiBody.h"
@@ -238,9 +239,10 @@ void btVolumetricLinks::add(btISTContact& contact, const Side& a, const Side& b,
 	statistics.contactsTurnedOver += btContactEnergyTank::begin(contact, speed, h);
 }
 
-/// Contact moves on with a body that rolls.
+/// On what is flat, contact moves on with a body that rolls.
 void btVolumetricLinks::leaveOutRolling(Entry& e, const ist::Vec3& spin, double h)
 {
+	if (!btIsFlatPatch(e.contact->patches[e.patchIndex])) return;
 	double curvature = 0;
 	for (const btCollisionObject* object : {e.contact->bodyA, e.contact->bodyB})
 		if (!object->isStaticOrKinematicObject())
