@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/Solver/btVolumetricIslands.h"
 
-#include "BulletHapticForce/Solver/btFlatPatch.h"
+#include "BulletHapticForce/Law/btFlatPatch.h"
 #include "BulletHapticForce/Solver/btSolverBodyMotion.h"
 
 #include "BulletDynamics/Dynamics/btRigidBody.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/Solver/btVolumetricLinks.h"
 
-#include "BulletHapticForce/Solver/btFlatPatch.h"
+#include "BulletHapticForce/Law/btFlatPatch.h"
 #include "BulletHapticForce/Solver/btSolverBodyMotion.h"
 
 #include "BulletDynamics/Featherstone/btMultiBody.h"
