@@ -169,15 +169,17 @@ double contradictedShare(const Mesh& open, const Mesh& closed, int cells)
 	return inside > 0 ? static_cast<double>(contradicted) / static_cast<double>(inside) : 0;
 }
 
-double ambiguousVolume(const Mesh& open, int cells)
+OpenVolume openVolume(const Mesh& open, int cells)
 {
 	const MeshDistance surface(open);
-	double sum = 0;
+	OpenVolume sum;
 	const double cell = forEachProbe(open, cells, [&](const Vec3& p) {
 		const double winding = surface.windingNumber(p);
-		sum += std::fabs(winding - (winding > 0.5));
+		const double inside = winding > 0.5;
+		sum.inside += inside;
+		sum.ambiguous += std::fabs(winding - inside);
 	});
-	return sum * cell;
+	return {cell * sum.inside, cell * sum.ambiguous};
 }
 
 bool enclosesInsideOut(const Mesh& mesh, int cells)

@@ -19,8 +19,13 @@ double miscountedShare(const Mesh& mesh, int cells);
 /// if there are none.
 double contradictedShare(const Mesh& open, const Mesh& closed, int cells);
 
-/// Ambiguity of an open mesh [m^3]: the distance of the winding number from 1 inside (> 1/2) or 0 outside, integrated over the box.
-double ambiguousVolume(const Mesh& open, int cells);
+/// Integrals over the box of an open mesh [m^3].
+struct OpenVolume
+{
+	double inside = 0;     ///< where the winding number is more than 1/2
+	double ambiguous = 0;  ///< of the distance of the winding number from 1 inside, or 0 outside
+};
+OpenVolume openVolume(const Mesh& open, int cells);
 
 /// Whether a mesh encloses a region inside out (winding number about -1).
 bool enclosesInsideOut(const Mesh& mesh, int cells);

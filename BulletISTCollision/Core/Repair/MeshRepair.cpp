@@ -36,10 +36,14 @@ constexpr int kWrapCells = 128;
 #endif
 /// Distance by which triangles of the grid may be merged, in cells.
 constexpr double kThinning = 0.1;
-/// Number of points along the longest side of the grid that measures wrongly counted volume.
-constexpr int kProbes = 32;
-/// Number of lines along the longest side that measure by volume what is counted wrongly.
-constexpr int kColumns = 256;
+/// Number of points along the longest side of the grid that measures wrongly counted volume, and the smallest such number, see density().
+constexpr int kProbes = 32, kFewestProbes = 8;
+/// An open mesh is not rebuilt if more than this many times its inside is ambiguous, nor a closed one if so much is counted wrongly.
+constexpr double kHopeless = 2, kHopelessCuts = 8;
+/// Number of lines along the longest side that measure by volume what is counted wrongly, and the smallest such number.
+constexpr int kColumns = 256, kFewestColumns = 16;
+/// Area of a mesh in areas of its box from which on it counts as dense.
+constexpr double kDense = 8;
 /// Share of the volume. If less is counted wrongly, the surface stays as it is.
 constexpr double kHarmless = 0.01;
 /// Share of the volume that walls count twice if they differ by rounding only.
@@ -50,6 +54,18 @@ constexpr double kMostLost = 0.5;
 constexpr double kShortestSide = 1e-7, kLongestSide = 1e7;
 
 std::string counted(int64_t n, const char* singular, const char* plural) { return std::to_string(n) + " " + (n == 1 ? singular : plural); }
+
+/// More than 1 where a mesh fills its box with surface, as noise does. Then each point of a grid has many triangles near it, and each costs
+/// time; so there are as many times fewer points.
+double density(const Mesh& mesh)
+{
+	const Vec3 size = bounds(mesh).size();
+	const double boxArea = 2 * (size.x * size.y + size.y * size.z + size.z * size.x);
+	return boxArea > 0 ? std::max(1.0, surfaceArea(mesh) / (kDense * boxArea)) : 1;
+}
+
+int probesAlong(const Mesh& mesh) { return std::max(kFewestProbes, int(kProbes / std::cbrt(density(mesh)))); }
+int columnsAlong(const Mesh& mesh) { return std::max(kFewestColumns, int(kColumns / std::sqrt(density(mesh)))); }
 
 bool indicesAreValid(const Mesh& mesh, const Triangle& t)
 {
@@ -280,7 +296,7 @@ void closeHoles(Attempt& attempt)
 	// The mesh consisted only of sheets that were each closed by their own reverse.
 	if (attempt.mesh.triangles.empty()) attempt.state.watertight = closed.count > 0;
 	attempt.contradicts = closed.doubt + closed.doubtOfSheets > kHarmless * std::fabs(massProperties(attempt.mesh).volume) &&
-		contradictedShare(open, attempt.mesh, kProbes) > kHarmless;
+		contradictedShare(open, attempt.mesh, probesAlong(open)) > kHarmless;
 }
 
 Attempt closeUp(const Mesh& welded, OppositePairs policy, Steps& steps, double end)
@@ -385,7 +401,9 @@ std::optional<Error> wrapOpen(Attempt& attempt, const Mesh& welded, Steps& steps
 		"what is missing may be as much as the body; rebuild it on a grid (RepairMode::Wrap), which takes what it surrounds for the body, "
 		"or close it in a modelling program and export it again");
 	rebuilt.actions.push_back("Left " + counted(attempt.holes, "hole", "holes") + " open: closing them would have taken the body apart.");
-	rebuilt.doubt += ambiguousVolume(rebuilt.mesh, kProbes);
+	const OpenVolume found = openVolume(rebuilt.mesh, probesAlong(rebuilt.mesh));
+	if (found.inside > 0 && found.ambiguous > kHopeless * found.inside) return Error{open.message + groundAdvice(welded)};
+	rebuilt.doubt += found.ambiguous;
 	if (auto error = wrap(rebuilt, steps.upTo(0.95), threads)) return error;
 	if (rebuilt.doubt > massProperties(rebuilt.mesh).volume) return Error{open.message + groundAdvice(welded)};
 	attempt = std::move(rebuilt);
@@ -402,6 +420,10 @@ std::optional<Error> wrapCuts(Attempt& attempt, const std::string& found, double
 			"Left " + found + ": the body is too thin to rebuild its surface on a grid; what lies in two of its parts is counted twice.");
 		return std::nullopt;
 	}
+	if (wrong > kHopelessCuts)
+		return Error{"the mesh has " + found + ", and for them " + number(std::round(wrong)) +
+			" times what it encloses is counted wrongly; rebuild it on a grid (RepairMode::Wrap), which takes what it surrounds for the "
+			"body, or part it where it passes through itself in a modelling program"};
 	Attempt rebuilt = attempt;
 	rebuilt.actions.push_back("Found " + found + ".");
 	if (auto error = wrap(rebuilt, steps.upTo(0.95), threads)) return error;
@@ -423,7 +445,7 @@ std::optional<Error> settleCuts(Attempt& attempt, const Mesh& welded, int64_t& c
 	if (attempt.contradicts) return wrapOpen(attempt, welded, steps, threads);
 	cuts = countCuts(attempt.mesh, kMostCuts, threads);
 	if ((cuts == 0 && !attempt.mayOverlap) || !steps.reach(0.7)) return std::nullopt;
-	const double wrong = miscountedShare(attempt.mesh, kColumns);
+	const double wrong = miscountedShare(attempt.mesh, columnsAlong(attempt.mesh));
 	// Shells may pass through one another without overlapping, like the links of a chain, or share a wall up to rounding.
 	if (cuts == 0 && (wrong < kRounding || std::isinf(wrong))) return std::nullopt;
 	const std::string found = cuts == 0 ? "shells that overlap"
@@ -489,7 +511,7 @@ Attempt asGiven(const Mesh& welded)
 /// The error for a mesh that encloses nothing. `found`: what was tried.
 Error enclosesNothing(const Mesh& mesh, const std::string& found)
 {
-	if (enclosesInsideOut(mesh, kProbes))
+	if (enclosesInsideOut(mesh, probesAlong(mesh)))
 		return Error{"the surface passes through itself " + extent(bounds(mesh)) +
 			", so that as much of what it encloses is inside out as is not; "
 			"part it where it crosses itself and turn what is inside out"};

@@ -19,6 +19,8 @@ using Node = std::array<int, 3>;
 constexpr double kShift = 1.3819660112501051;
 /// Step of the coarse pass in cells. It finds every part that is thicker, however far its boundary lies from any triangle.
 constexpr int kCoarse = 4;
+/// Nodes whose sides are found before the caller can cancel.
+constexpr std::ptrdiff_t kAskedTogether = 4096;
 /// Halvings where no triangle says where the side changes.
 constexpr int kBisections = 9;
 /// Share of a grid edge by which vertices stay away from its ends, so that no triangle collapses.
@@ -50,7 +52,7 @@ public:
 			if (!goesOn(0.3 + 0.4 * double(done) / double(done + m_open.size() + 1))) return false;
 			layer.swap(m_open);
 			m_open.clear();
-			findSides(layer);
+			if (!findSides(layer)) return false;
 			for (const Node& cell : layer) visit(cell);
 		}
 		return goesOn(0.7) && placeVertices();
@@ -85,24 +87,30 @@ private:
 		m_asked.push_back(n);
 	}
 
-	/// Finds the sides of all nodes that were asked for.
-	void answer()
+	/// Finds the sides of all nodes that were asked for. False if cancelled.
+	bool answer()
 	{
-#pragma omp parallel for schedule(dynamic, 64) num_threads(m_threads)
-		for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(m_asked.size()); ++i)
+		const auto count = std::ptrdiff_t(m_asked.size());
+		for (std::ptrdiff_t begin = 0; begin < count; begin += kAskedTogether)
 		{
-			const Node& n = m_asked[size_t(i)];
-			m_side[number(n)] = m_surface.contains(position(n)) ? kInside : kOutside;
+			if (!goesOn(m_fraction)) return false;
+#pragma omp parallel for schedule(dynamic, 16) num_threads(m_threads)
+			for (std::ptrdiff_t i = begin; i < std::min(count, begin + kAskedTogether); ++i)
+			{
+				const Node& n = m_asked[size_t(i)];
+				m_side[number(n)] = m_surface.contains(position(n)) ? kInside : kOutside;
+			}
 		}
 		m_asked.clear();
+		return true;
 	}
 
-	/// Finds the sides of all corners of cells.
-	void findSides(const std::vector<Node>& cells)
+	/// Finds the sides of all corners of cells. False if cancelled.
+	bool findSides(const std::vector<Node>& cells)
 	{
 		for (const Node& cell : cells)
 			for (int c = 0; c < 8; ++c) ask({cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)});
-		answer();
+		return answer();
 	}
 
 	void seed(const Node& cell)
@@ -141,9 +149,7 @@ private:
 		for (int z = 0; z < m_nodes[2]; z = next(z, 2))
 			for (int y = 0; y < m_nodes[1]; y = next(y, 1))
 				for (int x = 0; x < m_nodes[0]; x = next(x, 0)) ask({x, y, z});
-		if (!goesOn(0.15)) return false;
-		answer();
-		if (!goesOn(0.25)) return false;
+		if (!goesOn(0.15) || !answer() || !goesOn(0.25)) return false;
 		for (int z = 0; z < m_nodes[2]; z += kCoarse)
 			for (int y = 0; y < m_nodes[1]; y += kCoarse)
 				for (int x = 0; x < m_nodes[0]; x += kCoarse)
@@ -230,7 +236,7 @@ private:
 	/// Puts the vertices on their edges. False if cancelled.
 	bool placeVertices()
 	{
-		constexpr std::ptrdiff_t kBlock = 16384;
+		constexpr std::ptrdiff_t kBlock = 4096;
 		const auto count = std::ptrdiff_t(m_edges.size());
 		for (std::ptrdiff_t begin = 0; begin < count; begin += kBlock)
 		{

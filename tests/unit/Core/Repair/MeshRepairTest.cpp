@@ -323,6 +323,39 @@ TEST(MeshRepair, CracksWhoseCapsWouldTakeTheBodyApartAreWrapped)
 	EXPECT_LT(repaired.value().volumeDoubt, 0.2 * volume);
 }
 
+// Rebuilding such meshes on a grid took minutes: to each point of the grid, most triangles are near.
+TEST(MeshRepair, NoiseIsRefusedBeforeItIsRebuilt)
+{
+	std::mt19937 random(11);
+	std::uniform_real_distribution<double> anywhere(-1, 1);
+	Mesh loose = soup(makeSphereMesh(1, 5)), joinedUp = makeSphereMesh(1, 5);
+	for (Mesh* mesh : {&loose, &joinedUp})
+		for (Vec3& v : mesh->vertices) v = {anywhere(random), anywhere(random), anywhere(random)};
+	expectRefused(loose, "open edges, the first at (");
+	expectRefused(joinedUp, "times what it encloses is counted wrongly; rebuild it on a grid");
+	// Some of the triangles of a body.
+	Mesh torus = soup(makeTorusMesh(1, 0.4, 80, 40));
+	for (std::size_t i = 0; i < torus.triangles.size(); i += 5)
+		for (const uint32_t corner : torus.triangles[i]) torus.vertices[corner] = {anywhere(random), anywhere(random), anywhere(random)};
+	expectRefused(torus, "what is missing may be as much as the body");
+}
+
+TEST(MeshRepair, StacksOfThinPlatesAreClosed)
+{
+	constexpr int kPlates = 100;
+	Mesh stack;
+	for (int i = 0; i < kPlates; ++i)
+	{
+		Mesh plate = makeBoxMesh({1, 1, 0.004});
+		// Half of one of its narrow sides is missing.
+		const auto isNarrow = [&](const auto& t) { return plate.vertices[t[0]].z != plate.vertices[t[1]].z; };
+		plate.triangles.erase(std::find_if(plate.triangles.begin(), plate.triangles.end(), isNarrow));
+		stack = joined(stack, translated(plate, {0, 0, 0.02 * i}));
+	}
+	for (const Mesh& mesh : {stack, transformed(stack, Pose{rotationMatrix(quaternionFromRotationVector({0.3, -1, 2})), {40, -3, 1}})})
+		expectVolume(mesh, kPlates * 4 * 0.008);
+}
+
 TEST(MeshRepair, ATriangleFarAwayIsNoReasonToRefuse)
 {
 	Mesh far;
