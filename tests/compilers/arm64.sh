@@ -82,9 +82,12 @@ if [ -z "$short" ]; then
 	export BULLETHAPTICS_IMPORT=$folder/import.sh
 	qemu-aarch64 -L "$root" "$build/DeviceBridge/Tools/devicebridge" list >/dev/null || status=1
 fi
-for program in "${programs[@]}"; do
-	quiet cmake --build "$build" --target $program
-	filter='*'
+quiet cmake --build "$build" --target "${programs[@]}"
+
+# What a program's tests say, and whether they passed.
+test_program()
+{
+	local program=$1 filter='*'
 	case $program in
 		test_core*)
 			filter="OverlapQuery.AgreesWithBruteForce*:$(quick "$native/$program" | paste -sd:)"
@@ -94,6 +97,17 @@ for program in "${programs[@]}"; do
 		test_devices) filter="$(quick "$native/$program" | paste -sd:)-Stepping*:Threaded*:AnsweringThread.*:GapBridge.*" ;;
 	esac
 	echo "$program:"
-	(cd "$build/tests/unit" && timeout $limit qemu-aarch64 -L "$root" ./$program --gtest_brief=1 --gtest_filter="$filter") || status=1
+	cd "$build/tests/unit" && timeout $limit qemu-aarch64 -L "$root" ./$program --gtest_brief=1 --gtest_filter="$filter"
+}
+
+# One program a core. A file says how it ended.
+for program in "${programs[@]}"; do
+	while [ "$(jobs -rp | wc -l)" -ge "$(nproc)" ]; do wait -n || true; done
+	(test_program $program >"$folder/$program.txt" 2>&1 && echo passed >>"$folder/$program.txt") &
+done
+wait
+for program in "${programs[@]}"; do
+	cat "$folder/$program.txt"
+	[ "$(tail -n 1 "$folder/$program.txt")" = passed ] || status=1
 done
 exit $status
