@@ -8,7 +8,7 @@
 #   --within: leaves out, and says so, a sanitizer or a system that might not end in that time, as without a compiler cache
 #   --windows: the libraries, commands and tests for Windows, built by mingw-w64 and run under Wine, and a zip with DLLs, used from where it
 #     was unpacked; an hour or two on two cores
-#   --arm: the libraries, commands and tests for 64-bit ARM, run under QEMU; an hour on two cores
+#   --arm: the libraries, commands and tests for 64-bit ARM, run under QEMU; an hour or more on two cores
 set -euo pipefail
 cd "$(dirname "$0")"
 
