@@ -112,7 +112,7 @@ def main():
         parser.add_argument(argument)
     parser.add_argument("folders", nargs="+")
     arguments = parser.parse_args()
-    source, build, folders = arguments.source, arguments.build, arguments.folders
+    source, build, folders = os.path.abspath(arguments.source), os.path.abspath(arguments.build), arguments.folders
     compiler = arguments.compiler or ("clang++" if arguments.this_compiler == "GNU" else "g++")
     standard = [f"-std={arguments.std}"] if arguments.std else []
     if not shutil.which(compiler):

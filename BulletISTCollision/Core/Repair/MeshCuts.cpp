@@ -71,7 +71,7 @@ public:
 			below.clear();
 			for (const Pair& pair : open) look(pair, below);
 		}
-#pragma omp parallel for schedule(dynamic, 1) num_threads(m_threads)
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads())
 		for (std::ptrdiff_t i = 0; i < std::ptrdiff_t(open.size()); ++i)
 		{
 			std::vector<Pair> mine{open[size_t(i)]};
@@ -86,6 +86,8 @@ public:
 	}
 
 private:
+	int threads() const { return m_threads; }  // so that builds without OpenMP use the member, too
+
 	using Pair = std::pair<const Child*, const Child*>;
 
 	/// Compares the triangles of two leaves; for other nodes it appends the pairs of their children.
@@ -127,7 +129,7 @@ private:
 
 	const Mesh& m_mesh;
 	const int64_t m_most;
-	[[maybe_unused]] const int m_threads;
+	const int m_threads;
 	std::atomic<int64_t> m_found = 0;
 	TriangleHierarchy m_hierarchy;
 };

@@ -61,6 +61,8 @@ public:
 	Mesh take() { return std::move(m_result); }
 
 private:
+	int threads() const { return m_threads; }  // so that builds without OpenMP use the member, too
+
 	enum : uint8_t
 	{
 		kOutside,
@@ -94,7 +96,7 @@ private:
 		for (std::ptrdiff_t begin = 0; begin < count; begin += kAskedTogether)
 		{
 			if (!goesOn(m_fraction)) return false;
-#pragma omp parallel for schedule(dynamic, 16) num_threads(m_threads)
+#pragma omp parallel for schedule(dynamic, 16) num_threads(threads())
 			for (std::ptrdiff_t i = begin; i < std::min(count, begin + kAskedTogether); ++i)
 			{
 				const Node& n = m_asked[size_t(i)];
@@ -241,7 +243,7 @@ private:
 		for (std::ptrdiff_t begin = 0; begin < count; begin += kBlock)
 		{
 			if (!goesOn(0.7 + 0.3 * double(begin) / double(count))) return false;
-#pragma omp parallel num_threads(m_threads)
+#pragma omp parallel num_threads(threads())
 			{
 				Cuts cuts;
 #pragma omp for schedule(dynamic, 64)
@@ -305,7 +307,7 @@ private:
 
 	MeshDistance m_surface;
 	const Progress& m_progress;
-	[[maybe_unused]] int m_threads;
+	int m_threads;
 	double m_step = 0, m_fraction = 0;
 	Vec3 m_origin;
 	Node m_nodes{};
