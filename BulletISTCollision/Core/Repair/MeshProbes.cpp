@@ -22,7 +22,21 @@ constexpr double kNearlyWhole = 0.25;
 /// Rows of parallel lines that are measured together. Their crossings are in memory, and those of other rows are not.
 constexpr int kBandRows = 8;
 
+constexpr int kProbes = 32, kFewestProbes = 8;
+constexpr int kColumns = 256, kFewestColumns = 16;
+/// Area of a mesh in areas of its box from which on it counts as dense.
+constexpr double kDense = 8;
+
 using Triangle = std::array<uint32_t, 3>;
+
+/// More than 1 where a mesh fills its box with surface, as noise does. Then each point of a grid has many triangles near it, and each costs
+/// time; so there are as many times fewer points.
+double density(const Mesh& mesh)
+{
+	const Vec3 size = bounds(mesh).size();
+	const double boxArea = 2 * (size.x * size.y + size.y * size.z + size.z * size.x);
+	return boxArea > 0 ? std::max(1.0, surfaceArea(mesh) / (kDense * boxArea)) : 1;
+}
 
 /// Calls visit(point) for each grid point and returns the volume of a cell.
 template <class Visitor> double forEachProbe(const Mesh& mesh, int cells, Visitor visit)
@@ -154,6 +168,9 @@ private:
 	double m_inside = 0, m_wrong = 0;
 };
 }  // namespace
+
+int columnsAlong(const Mesh& mesh) { return std::max(kFewestColumns, int(kColumns / std::sqrt(density(mesh)))); }
+int probesAlong(const Mesh& mesh) { return std::max(kFewestProbes, int(kProbes / std::cbrt(density(mesh)))); }
 
 double miscountedShare(const Mesh& mesh, int cells) { return Columns(mesh, cells).miscountedShare(); }
 

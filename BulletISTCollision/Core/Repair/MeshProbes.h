@@ -10,9 +10,14 @@ namespace ist
 /// each of the two longer sides, exactly along each line. O(cells^2 times the layers of the mesh, + cells n / 8). It
 /// needs memory for 8 x `cells` lines at a time: 32 kB per layer with 256 cells, and 8 bytes per triangle.
 double miscountedShare(const Mesh& mesh, int cells);
+/// The number of lines that suits a mesh: 256, and fewer where it fills its box with surface, as noise does.
+int columnsAlong(const Mesh& mesh);
 
 // The others measure from the winding number at the points of a grid over the mesh's box, with `cells` points along its longest side.
 // Parts that are thinner than a cell may be missed. O(cells^3 log n).
+
+/// The number of points that suits a mesh: 32, and fewer where it fills its box with surface.
+int probesAlong(const Mesh& mesh);
 
 /// Share of the inside that changes when holes are closed. It counts points at which the open mesh's winding number is within a quarter
 /// of an integer, so that the answer is clear, and the closed mesh says otherwise. The share refers to the points inside either mesh; 0

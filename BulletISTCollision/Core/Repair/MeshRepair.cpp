@@ -36,14 +36,8 @@ constexpr int kWrapCells = 128;
 #endif
 /// Distance by which triangles of the grid may be merged, in cells.
 constexpr double kThinning = 0.1;
-/// Number of points along the longest side of the grid that measures wrongly counted volume, and the smallest such number, see density().
-constexpr int kProbes = 32, kFewestProbes = 8;
 /// An open mesh is not rebuilt if more than this many times its inside is ambiguous, nor a closed one if so much is counted wrongly.
 constexpr double kHopeless = 2, kHopelessCuts = 8;
-/// Number of lines along the longest side that measure by volume what is counted wrongly, and the smallest such number.
-constexpr int kColumns = 256, kFewestColumns = 16;
-/// Area of a mesh in areas of its box from which on it counts as dense.
-constexpr double kDense = 8;
 /// Share of the volume. If less is counted wrongly, the surface stays as it is.
 constexpr double kHarmless = 0.01;
 /// Share of the volume that walls count twice if they differ by rounding only.
@@ -54,18 +48,6 @@ constexpr double kMostLost = 0.5;
 constexpr double kShortestSide = 1e-7, kLongestSide = 1e7;
 
 std::string counted(int64_t n, const char* singular, const char* plural) { return std::to_string(n) + " " + (n == 1 ? singular : plural); }
-
-/// More than 1 where a mesh fills its box with surface, as noise does. Then each point of a grid has many triangles near it, and each costs
-/// time; so there are as many times fewer points.
-double density(const Mesh& mesh)
-{
-	const Vec3 size = bounds(mesh).size();
-	const double boxArea = 2 * (size.x * size.y + size.y * size.z + size.z * size.x);
-	return boxArea > 0 ? std::max(1.0, surfaceArea(mesh) / (kDense * boxArea)) : 1;
-}
-
-int probesAlong(const Mesh& mesh) { return std::max(kFewestProbes, int(kProbes / std::cbrt(density(mesh)))); }
-int columnsAlong(const Mesh& mesh) { return std::max(kFewestColumns, int(kColumns / std::sqrt(density(mesh)))); }
 
 bool indicesAreValid(const Mesh& mesh, const Triangle& t)
 {
@@ -401,11 +383,12 @@ std::optional<Error> wrapOpen(Attempt& attempt, const Mesh& welded, Steps& steps
 		"what is missing may be as much as the body; rebuild it on a grid (RepairMode::Wrap), which takes what it surrounds for the body, "
 		"or close it in a modelling program and export it again");
 	rebuilt.actions.push_back("Left " + counted(attempt.holes, "hole", "holes") + " open: closing them would have taken the body apart.");
+	const auto refusal = [&] { return Error{open.message + groundAdvice(welded)}; };
 	const OpenVolume found = openVolume(rebuilt.mesh, probesAlong(rebuilt.mesh));
-	if (found.inside > 0 && found.ambiguous > kHopeless * found.inside) return Error{open.message + groundAdvice(welded)};
+	if (found.inside > 0 && found.ambiguous > kHopeless * found.inside) return refusal();
 	rebuilt.doubt += found.ambiguous;
 	if (auto error = wrap(rebuilt, steps.upTo(0.95), threads)) return error;
-	if (rebuilt.doubt > massProperties(rebuilt.mesh).volume) return Error{open.message + groundAdvice(welded)};
+	if (rebuilt.doubt > massProperties(rebuilt.mesh).volume) return refusal();
 	attempt = std::move(rebuilt);
 	return std::nullopt;
 }

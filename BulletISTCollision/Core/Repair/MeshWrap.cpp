@@ -19,8 +19,8 @@ using Node = std::array<int, 3>;
 constexpr double kShift = 1.3819660112501051;
 /// Step of the coarse pass in cells. It finds every part that is thicker, however far its boundary lies from any triangle.
 constexpr int kCoarse = 4;
-/// Nodes whose sides are found before the caller can cancel.
-constexpr std::ptrdiff_t kAskedTogether = 4096;
+/// Number of nodes or vertices after which the caller can cancel.
+constexpr std::ptrdiff_t kBlock = 4096;
 /// Halvings where no triangle says where the side changes.
 constexpr int kBisections = 9;
 /// Share of a grid edge by which vertices stay away from its ends, so that no triangle collapses.
@@ -93,11 +93,11 @@ private:
 	bool answer()
 	{
 		const auto count = std::ptrdiff_t(m_asked.size());
-		for (std::ptrdiff_t begin = 0; begin < count; begin += kAskedTogether)
+		for (std::ptrdiff_t begin = 0; begin < count; begin += kBlock)
 		{
 			if (!goesOn(m_fraction)) return false;
 #pragma omp parallel for schedule(dynamic, 16) num_threads(threads())
-			for (std::ptrdiff_t i = begin; i < std::min(count, begin + kAskedTogether); ++i)
+			for (std::ptrdiff_t i = begin; i < std::min(count, begin + kBlock); ++i)
 			{
 				const Node& n = m_asked[size_t(i)];
 				m_side[number(n)] = m_surface.contains(position(n)) ? kInside : kOutside;
@@ -238,7 +238,6 @@ private:
 	/// Puts the vertices on their edges. False if cancelled.
 	bool placeVertices()
 	{
-		constexpr std::ptrdiff_t kBlock = 4096;
 		const auto count = std::ptrdiff_t(m_edges.size());
 		for (std::ptrdiff_t begin = 0; begin < count; begin += kBlock)
 		{

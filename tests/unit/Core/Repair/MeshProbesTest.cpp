@@ -38,6 +38,21 @@ TEST(MeshProbes, WhatIsCountedTwiceIsMeasuredByVolume)
 		}
 }
 
+// A cube without a face. A face is seen from the points of a cube under a sixth of all directions on average, and from each of them under
+// less than half.
+TEST(MeshProbes, AMissingFaceLeavesASixthOpen)
+{
+	Mesh cube = makeBoxMesh({1, 1, 1});
+	std::erase_if(cube.triangles,
+		[&](const auto& t) { return std::all_of(t.begin(), t.end(), [&](uint32_t v) { return cube.vertices[v].y == 1; }); });
+	ASSERT_EQ(cube.triangles.size(), 10u);
+	const OpenVolume open = openVolume(cube, 32), closed = openVolume(makeBoxMesh({1, 1, 1}), 32);
+	EXPECT_NEAR(open.inside, 8, 1e-9);
+	EXPECT_NEAR(open.ambiguous, 8.0 / 6, 0.02 * 8 / 6);
+	EXPECT_NEAR(closed.inside, 8, 1e-9);
+	EXPECT_NEAR(closed.ambiguous, 0, 1e-9);
+}
+
 // The crossings of all lines with these layers took 80 MB or more.
 TEST(MeshProbes, ManyLayersNeedLittleMemory)
 {

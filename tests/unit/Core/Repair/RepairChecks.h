@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <string>
 #include <utility>
 
@@ -16,6 +17,19 @@ inline Mesh insideOut(Mesh mesh)
 {
 	for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
 	return mesh;
+}
+
+/// Gives every triangle its own vertices.
+inline Mesh soup(const Mesh& mesh)
+{
+	Mesh result;
+	for (const auto& t : mesh.triangles)
+	{
+		const auto base = static_cast<uint32_t>(result.vertices.size());
+		for (const uint32_t corner : t) result.vertices.push_back(mesh.vertices[corner]);
+		result.triangles.push_back({base, base + 1, base + 2});
+	}
+	return result;
 }
 
 /// Checks that the repair gives a watertight mesh of this volume [m^3].
