@@ -24,7 +24,7 @@ int btContactFriction::balls(const btContactPatch& patch, btFrictionBall* out) c
 	if (sliding > 0)
 	{
 		btFrictionBall& ball = out[count++];
-		ball.coefficient = sliding;
+		ball.coefficient = sliding * patch.frictionFactor;
 		setWrench(ball, 0, t1, {});
 		setWrench(ball, 1, t2, {});
 		setWrench(ball, 2, {}, patch.frictionRadius * n);

@@ -228,6 +228,8 @@ bool evaluateContactPatch(const btISTContact& contact, int patchIndex, btContact
 	const double radiusSquared = std::max(spread.trace() - n.dot(spread * n), 0.0);
 	patch.frictionRadius = kFrictionRadiusPerRms * std::sqrt(radiusSquared);
 
+	patch.frictionFactor = ist::frictionFactor(sums);
+
 	const double length = std::max(std::sqrt(radiusSquared), 1e-3 * std::cbrt(sums.volume));
 	const ist::SymmetricMatrix6 exact = movedToWorld(ist::pressureStiffness(sums, pair), R, c);
 	patch.stiffness = ist::projectedPositive(exact, length);

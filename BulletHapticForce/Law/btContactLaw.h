@@ -13,6 +13,7 @@ struct btContactPatch
 	ist::SymmetricMatrix6 stiffness;  ///< -d(wrench)/d(translation, rotation) of A, positive semidefinite [N/m, N, N m]
 	ist::SymmetricMatrix6 damping;    ///< -d(wrench)/d(twist), positive semidefinite [N s/m, N s, N m s]
 	double frictionRadius = 0;  ///< lever of the drilling moment [m]: the largest moment about `normal` is the sliding friction times it
+	double frictionFactor = 1;  ///< the largest sliding friction is Coulomb's coefficient times the normal force times this
 };
 
 /// Evaluates the pressure field law (docs/model.md) for one patch of a contact. Returns false, and leaves `patch` undefined, when the

@@ -127,6 +127,7 @@ LinearContact linearContact(const btContactPatch& patch, const ist::Pose& X_WA, 
 	c.stiffness = patch.stiffness;
 	c.damping = patch.damping;
 	c.frictionRadius = patch.frictionRadius;
+	c.frictionFactor = patch.frictionFactor;
 	c.X_WA = X_WA;
 	c.X_WB = X_WB;
 	return c;
@@ -134,6 +135,6 @@ LinearContact linearContact(const btContactPatch& patch, const ist::Pose& X_WA, 
 
 btContactPatch contactPatch(const LinearContact& c) noexcept
 {
-	return {c.point, c.normal, c.wrench, c.stiffness, c.damping, c.frictionRadius};
+	return {c.point, c.normal, c.wrench, c.stiffness, c.damping, c.frictionRadius, c.frictionFactor};
 }
 }  // namespace devicebridge

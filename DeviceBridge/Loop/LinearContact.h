@@ -14,16 +14,17 @@ struct LinearContact
 {
 	static constexpr int kFixed = -1, kTool = -2;  ///< values of `a` and `b` that replace a slot
 	int a = kFixed, b = kFixed;
-	std::uint64_t epoch = 0;                   ///< epoch of the body in slot `b`, if A is the tool
-	ist::Vec3 point, normal;                   ///< centroid [m]; direction of the elastic force on A
-	ist::Wrench wrench;                        ///< elastic wrench [N, N m]
-	ist::SymmetricMatrix6 stiffness, damping;  ///< as in btContactPatch
-	double frictionRadius = 0, friction = 0;   ///< friction radius [m]; Coulomb's coefficient of the pair
-	ist::Pose X_WA, X_WB;                      ///< poses in which the contact was found
-	double volume = 0;                         ///< overlap volume [m^3]
-	int pairs = 0;                             ///< number of pairs of leaves
-	int pair = 0;                              ///< index of the pair of parts in the snapshot from which it was found
-	double restDepth = 0;                      ///< mean depth at which the contact shall rest [m]; 0: its stiffness was set
+	std::uint64_t epoch = 0;                        ///< epoch of the body in slot `b`, if A is the tool
+	ist::Vec3 point, normal;                        ///< centroid [m]; direction of the elastic force on A
+	ist::Wrench wrench;                             ///< elastic wrench [N, N m]
+	ist::SymmetricMatrix6 stiffness, damping;       ///< as in btContactPatch
+	double frictionRadius = 0, frictionFactor = 1;  ///< as in btContactPatch
+	double friction = 0;                            ///< Coulomb's coefficient of the pair
+	ist::Pose X_WA, X_WB;                           ///< poses in which the contact was found
+	double volume = 0;                              ///< overlap volume [m^3]
+	int pairs = 0;                                  ///< number of pairs of leaves
+	int pair = 0;                                   ///< index of the pair of parts in the snapshot from which it was found
+	double restDepth = 0;                           ///< mean depth at which the contact shall rest [m]; 0: its stiffness was set
 };
 
 /// Changes the stiffness of a contact by `factor`.

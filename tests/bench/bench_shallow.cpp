@@ -196,19 +196,48 @@ void Bench::floor()
 	std::printf("crate on a floor of 50 m, 1 mm deep, 40 places: force over k V %.4f to %.4f\n", least, most);
 }
 
+/// Share of the body's volume that it has in common with itself in another pose, from random points in it.
+double commonShare(const MeshDistance& surface, const Box& box, const Pose& X)
+{
+	constexpr int kPoints = 1'000'000;
+	const Pose back = inverse(X);
+	std::mt19937_64 random{2};
+	std::uniform_real_distribution<double> unit(0, 1);
+	int inside = 0, common = 0;
+	while (inside < kPoints)
+	{
+		Vec3 x;
+		for (int k = 0; k < 3; ++k) x[k] = box.lower[k] + unit(random) * (box.upper[k] - box.lower[k]);
+		if (!surface.contains(x)) continue;
+		++inside;
+		common += surface.contains(back * x);
+	}
+	return double(common) / kPoints;
+}
+
 void Bench::inOnePlace()
 {
 	for (const char* name : {"bunny", "torus", "knot"})
 	{
-		const Body body = bodyOf(bench::placed(bench::meshNamed(name)), m_spheres);
+		const Mesh mesh = bench::placed(bench::meshNamed(name));
+		const Body body = bodyOf(mesh, m_spheres);
+		const double leaf = body.tree.meanGap;
 		const auto row = [&](const char* how, const Pose& X) {
 			const OverlapResult found = ask(body, body, X);
 			const double sigma = overlapError(found, body.tree, body.tree, 1).volume, V = body.tree.volume;
-			std::printf("two of %s %s: volume %+.2f %% of the body's, sigma %.2f %%\n", name, how, 100 * (found.total.volume / V - 1),
-				100 * sigma / V);
+			std::printf("two of %s %s: volume %.2f %% of the body's, off by %+.2f, sigma %.2f\n", name, how, 100 * found.total.volume / V,
+				100 * (found.total.volume / V - commonShare(body.surface, bounds(mesh), X)), 100 * sigma / V);
 		};
+		const Vec3 axis = normalized(Vec3{1, 2, 3});
 		row("in one place", {});
-		row("turned by 1 degree", {turned(kPi / 180, normalized(Vec3{1, 2, 3})), {}});
+		for (const double degrees : {0.1, 1.0, 5.0})
+		{
+			char how[64];
+			std::snprintf(how, sizeof how, "turned by %g degrees", degrees);
+			row(how, {turned(kPi / 180 * degrees, axis), {}});
+		}
+		row("shifted by a mean gap", {{}, leaf * axis});
+		row("shifted by three mean gaps", {{}, 3 * leaf * axis});
 	}
 }
 }  // namespace

@@ -24,6 +24,8 @@ namespace
 constexpr int64_t kMostSpheresForLeaves = 100000;
 /// Cells of the depth field, and elements of the surface, of a body of 1,000 spheres.
 constexpr double kPiecesOfThousand = 1000;
+/// Error up to which a surface needs no more pieces, as a share of the mean gap, where the mesh's own sagitta is smaller.
+constexpr double kSurfaceErrorOfGap = 0.05;
 
 /// Whether leaves of smooth bodies are split further: true unless the build has a target fill or a smallest radius.
 bool splitsSmoothBodies(const BuildOptions& options) { return options.targetFill >= 1 && options.minRadius <= 0; }
@@ -175,7 +177,7 @@ Result<InnerSphereTree> buildRepaired(const Mesh& mesh, const RepairedMesh& repa
 	seconds.setup = watch.lap();
 
 	std::optional<SurfaceElements> elements;
-	const BodySurfaceOptions ofSurface = surfaceOptions(options);
+	BodySurfaceOptions ofSurface = surfaceOptions(options);
 	if (options.surface) elements.emplace(surface.mesh(), ofSurface);
 
 	Result<SpherePacking> packing = pack(surface, tree.origin, options);
@@ -202,6 +204,7 @@ Result<InnerSphereTree> buildRepaired(const Mesh& mesh, const RepairedMesh& repa
 	{
 		Result<ContactSurface> taken = elements->take();
 		if (!goesOn(options.progress, "surface", 1)) return cancelled();
+		ofSurface.error = std::max(tree.sagitta, kSurfaceErrorOfGap * tree.meanGap);
 		Result<BodySurface> body = buildBodySurface(surface, std::move(taken), ofSurface);
 		if (!body) return body.error();
 		tree.surface = std::move(body.value());

@@ -11,7 +11,7 @@
 namespace ist
 {
 /// Raise this when the output of `buildTree` changes. Trees that an older version built are then built anew (treeKey).
-inline constexpr uint32_t kBuilderVersion = 8;
+inline constexpr uint32_t kBuilderVersion = 9;
 
 struct BuildOptions
 {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace ist
 {
@@ -44,6 +45,13 @@ double densityAt(const InnerSphereTree& A, const InnerSphereTree& B, int level)
 Wrench pressureWrench(const OverlapIntegrals& integrals, const PressurePair& pair)
 {
 	return pair.stiffness * (pair.weightB * integrals.normalB - pair.weightA * integrals.normalA);
+}
+
+double frictionFactor(const OverlapIntegrals& integrals)
+{
+	const double a = norm(integrals.normalA.force), b = norm(integrals.normalB.force);
+	if (!(a > 0) || !(b > 0)) return 1;
+	return std::clamp(std::min(integrals.pressedA / a, integrals.pressedB / b), 1.0, std::numbers::sqrt2);
 }
 
 double pressureEnergy(const OverlapIntegrals& integrals, const PressurePair& pair)

@@ -16,6 +16,10 @@ struct PressurePair
 /// Force on A [N] and torque on A about A's origin [N m], in the axes of A's mesh frame: k (w_B Int n_B dV - w_A Int n_A dV). B
 /// receives the opposite force at the same points.
 Wrench pressureWrench(const OverlapIntegrals& integrals, const PressurePair& pair);
+
+/// Int |p n| dA over |Int p n dA|, of the less curved body, from 1 to the square root of 2, which normals within 45 degrees of their mean
+/// do not exceed: sliding friction is larger than that of the resultant by this factor. 1 of leaves, and on a flat body.
+double frictionFactor(const OverlapIntegrals& integrals);
 /// Energy U [J].
 double pressureEnergy(const OverlapIntegrals& integrals, const PressurePair& pair);
 /// Stiffness -d(force, torque)/d(translation, rotation) of A about A's origin, before projection [N/m, N, N m].

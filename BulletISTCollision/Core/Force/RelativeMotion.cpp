@@ -54,10 +54,13 @@ void moveB(OverlapIntegrals& sums, const Twist& motion)
 	// The stiffness of surfaces is the symmetric part of a derivative whose other part follows from the wrench: half of what the wrench
 	// changes by when it moves with B (docs/model.md, section 3).
 	const double share = sums.volume > 0 ? sums.surfaceVolume / sums.volume : 0;
+	const double formerA = norm(sums.normalA.force), formerB = norm(sums.normalB.force);
 	const double shareB = sums.volume > 0 ? (sums.surfaceVolume - sums.foundationVolume) / sums.volume : 0;
 	sums.normalA = sums.normalA - ofA + 0.5 * share * movedWith(motion, sums.normalA);
 	sums.normalB = sums.normalB + ofB + 0.5 * shareB * movedWith(motion, sums.normalB) +
 		(1 - shareB) * turnedAbout(centroid, sums.normalB, motion.angular);
+	if (formerA > 0) sums.pressedA *= norm(sums.normalA.force) / formerA;
+	if (formerB > 0) sums.pressedB *= norm(sums.normalB.force) / formerB;
 	if (!(sums.volume > 0)) return;
 	const Vec3 atCentroid = motion.linear + cross(motion.angular, centroid);
 	const double growth = std::max(1 + dot(sums.areaVector, atCentroid) / sums.volume, 0.0);

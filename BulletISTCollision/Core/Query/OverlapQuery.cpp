@@ -30,6 +30,8 @@ void OverlapIntegrals::add(const OverlapIntegrals& o)
 	for (int i = 0; i < 6; ++i) secondMoment[i] += o.secondMoment[i];
 	normalA = normalA + o.normalA;
 	normalB = normalB + o.normalB;
+	pressedA += o.pressedA;
+	pressedB += o.pressedB;
 	line = line + o.line;
 	areaVector += o.areaVector;
 	for (int i = 0; i < 21; ++i)
@@ -54,6 +56,8 @@ void OverlapIntegrals::scale(double factor)
 	firstMoment *= factor;
 	for (double& m : secondMoment) m *= factor;
 	for (Wrench* w : {&normalA, &normalB, &line}) *w = factor * *w;
+	pressedA *= factor;
+	pressedB *= factor;
 	areaVector *= factor;
 	for (SymmetricMatrix6* K : {&stiffnessA, &stiffnessB, &damping})
 		for (double& k : K->m) k *= factor;

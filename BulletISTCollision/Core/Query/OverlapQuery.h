@@ -46,8 +46,11 @@ struct OverlapIntegrals
 	Vec3 firstMoment;             ///< sum dd L C [m^4]
 	double secondMoment[6] = {};  ///< sum dd L C C^T: xx, yy, zz, xy, xz, yz [m^5]; for friction
 	Wrench normalA, normalB;      ///< forces sum dd L m_i and sum dd L m_j, torques sum C x (dd L m): Int n_A dV, Int n_B dV
-	Wrench line;                  ///< force sum dd L n, torque sum C x (dd L n): the paper's eq. (1) at rest; only with Model::Inner
-	Vec3 areaVector;              ///< sum dd area n [m^2]: gradient of V, pointing where A must move to leave B
+	/// Sums over faces of the sizes of their shares of normalA.force and normalB.force [m^3]: larger than the sizes of these where the
+	/// surface that presses is curved. Zero of leaves.
+	double pressedA = 0, pressedB = 0;
+	Wrench line;      ///< force sum dd L n, torque sum C x (dd L n): the paper's eq. (1) at rest; only with Model::Inner
+	Vec3 areaVector;  ///< sum dd area n [m^2]: gradient of V, pointing where A must move to leave B
 	SymmetricMatrix6 stiffnessA, stiffnessB;  ///< sum dd area sym(g_n g_w^T) with w = -m_i (A's field), w = m_j (B's field); not projected
 	/// sum dd L G G^T with w = w_B m_j - w_A m_i, the direction in which the pair presses, and G = (w, C x w). For a twist of A it
 	/// gives the squared closing speed of the pair, weighted with its pressure [m^3, m^4, m^5]. It is zero where `dampingWeights`

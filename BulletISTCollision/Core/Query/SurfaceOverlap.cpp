@@ -97,6 +97,7 @@ void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, bool 
 	Wrench& normal = sign > 0 ? sums.normalA : sums.normalB;
 	normal.force -= face.pressure;
 	normal.torque -= cross(p, face.pressure);
+	(sign > 0 ? sums.pressedA : sums.pressedB) += norm(face.pressure);
 	sums.areaVector += (0.5 * sign) * face.areaNormal;
 	const Vec3 tn = cross(x, n), tg = cross(x, g);
 	const double G[6] = {n.x, n.y, n.z, tn.x, tn.y, tn.z}, H[6] = {g.x, g.y, g.z, tg.x, tg.y, tg.z};
@@ -464,8 +465,11 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	{
 		const OverlapPart& part = work.parts[work.partOf[p]];
 		OverlapIntegrals& patch = work.patches[p];
-		patch.normalA = part.within(part.normalA) * patch.normalA;
-		patch.normalB = part.within(part.normalB) * patch.normalB;
+		const double withinA = part.within(part.normalA), withinB = part.within(part.normalB);
+		patch.normalA = withinA * patch.normalA;
+		patch.normalB = withinB * patch.normalB;
+		patch.pressedA *= withinA;
+		patch.pressedB *= withinB;
 		const double share = part.depth > 0 ? work.places[p].depth / part.depth : 1;
 		patch.volume = patch.surfaceVolume = share * part.volume;
 		patch.foundationVolume = onFoundation ? patch.volume : 0;

@@ -24,6 +24,9 @@ struct BodySurface
 struct BodySurfaceOptions
 {
 	int64_t cells = 1500, elements = 1500;
+	/// While the depth errs more than this on the mesh (depthErrorOnSurface), the surface is built with four times as many cells and
+	/// elements, at most twice, and only where that helps [m]. 0: never.
+	double error = 0;
 	uint64_t seed = 1;
 	int threads = 0;  ///< number of threads; 0: all processors
 	Progress progress;
@@ -31,6 +34,9 @@ struct BodySurfaceOptions
 
 /// Builds the surface and the depth field of a closed mesh.
 Result<BodySurface> buildBodySurface(const MeshDistance& mesh, const BodySurfaceOptions& options);
+
+/// Root mean square of the depth on the mesh, where it should be zero, at some thousand random points [m].
+double depthErrorOnSurface(const DepthField& field, const Mesh& mesh, uint64_t seed);
 
 /// Adds the depth field and the tables to what buildContactSurface() made of the mesh.
 Result<BodySurface> buildBodySurface(const MeshDistance& mesh, Result<ContactSurface> surface, const BodySurfaceOptions& options);

@@ -119,7 +119,7 @@ std::vector<GraspContact> GraspScene::graspContacts() const
 			btContactPatch patch;
 			if (!evaluateContactPatch(*contact, i, patch)) continue;
 			contacts.push_back({X_BW * patch.point, (objectIsA ? 1.0 : -1.0) * (X_BW.rotation * patch.normal),
-				double(body.getFriction() * other->getFriction()), patch.frictionRadius});
+				double(body.getFriction() * other->getFriction()) * patch.frictionFactor, patch.frictionRadius});
 		}
 	}
 	return contacts;

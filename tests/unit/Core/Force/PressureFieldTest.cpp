@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Force/PressureField.h"
 
+#include "BulletISTCollision/Core/Build/TreeBuilder.h"
+#include "BulletISTCollision/Core/Force/RelativeMotion.h"
+#include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "tests/unit/Core/Mesh/RandomShapes.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 using namespace ist;
@@ -47,6 +51,58 @@ OverlapIntegrals at(const InnerSphereTree& A, const InnerSphereTree& B, const Ve
 	return queryOverlapBruteForce(A, B, X).total;
 }
 }  // namespace
+
+TEST(PressureField, FrictionFactorIsThatOfTheLessCurvedBody)
+{
+	OverlapIntegrals I;
+	EXPECT_EQ(frictionFactor(I), 1);
+	I.normalA.force = {0, 0, 2};
+	I.normalB.force = {0, 0, -2};
+	EXPECT_EQ(frictionFactor(I), 1) << "leaves do not know it";
+	I.pressedA = 2.5;
+	I.pressedB = 2.2;
+	EXPECT_DOUBLE_EQ(frictionFactor(I), 1.1);
+	OverlapIntegrals both = I;
+	both.add(I);
+	both.scale(3);
+	EXPECT_DOUBLE_EQ(frictionFactor(both), 1.1);
+	moveB(both, {{0, 0, 0}, {0, 0, 0.1}});
+	EXPECT_NEAR(frictionFactor(both), 1.1, 1e-12);
+	I.pressedA = I.pressedB = 20;
+	EXPECT_DOUBLE_EQ(frictionFactor(I), std::sqrt(2.0)) << "opposite forces in one patch";
+}
+
+TEST(PressureField, FrictionOfAPinInANarrowBoreIsThatOfItsWholeSurface)
+{
+	constexpr double kRadius = 0.2, kInterference = 2e-3, kLength = 0.3;
+	const Mesh pin = makeCylinderMesh(kRadius, 0.3, 192);
+	constexpr uint32_t kAround = 192;
+	Mesh block;
+	for (uint32_t ring = 0; ring < 4; ++ring)
+		for (uint32_t i = 0; i < kAround; ++i)
+		{
+			const double t = 2 * std::numbers::pi * i / kAround, r = ring < 2 ? 0.5 : kRadius - kInterference;
+			block.vertices.push_back({r * std::cos(t), r * std::sin(t), (ring == 0 || ring == 3 ? -0.5 : 0.5) * kLength});
+			const uint32_t j = (i + 1) % kAround, next = (ring + 1) % 4;
+			block.triangles.push_back({ring * kAround + i, ring * kAround + j, next * kAround + j});
+			block.triangles.push_back({ring * kAround + i, next * kAround + j, next * kAround + i});
+		}
+	BuildOptions options;
+	options.maxSpheres = 500;
+	const InnerSphereTree A = buildTree(block, options).value(), B = buildTree(pin, options).value();
+	QueryWorkspace workspace;
+	const OverlapResult found = queryOverlap(A, B, {}, workspace, {});
+	double forces = 0, friction = 0;
+	for (int i = 0; i < found.patchCount; ++i)
+	{
+		const double force = norm(pressureWrench(found.patches[i], {}).force);
+		forces += force;
+		friction += frictionFactor(found.patches[i]) * force;
+	}
+	const double exact = kInterference * 2 * std::numbers::pi * (kRadius - kInterference / 2) * kLength;
+	EXPECT_NEAR(friction, exact, 0.02 * exact) << found.patchCount << " patches";
+	EXPECT_LT(forces, 0.95 * exact);
+}
 
 TEST(PressureField, WrenchEnergyAndStiffnessAreWeightedSums)
 {
