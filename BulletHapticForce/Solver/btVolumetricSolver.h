@@ -32,6 +32,7 @@ public:
 	{
 		m_store->sumDamping(true);
 		m_store->predictTouch(true);
+		m_store->raiseStiffness(true);
 	}
 
 	void prepareSolve(int bodyCount, int manifoldCount) override;

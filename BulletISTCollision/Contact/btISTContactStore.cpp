@@ -24,6 +24,9 @@ constexpr double kMostDepthPerSize = 5e-3, kMostDepthPerThickness = 0.05;
 constexpr double kFirstDepthPerSize = 1e-3;
 // Leaves reach beyond the surface: shallower contact has the force of their gaps.
 constexpr double kLeastDepthOfLeaves = 1e-3;
+// Area that a weight presses on where no solver raises k, at least, as a share of the square of the size: a body that only just touches
+// would be hit by an endless stiffness.
+constexpr double kLeastAreaPerSize = 0.01;
 constexpr double kWaterDensity = 1000;  // [kg/m^3]
 // Nothing leaves contact faster than 1 / dissipation. Where gravity has larger numbers, as in a world of centimetres, so have speeds.
 constexpr double kGravityOfEarth = 9.81;  // [m/s^2]
@@ -75,7 +78,24 @@ double aimedDepth(const btISTContact& contact, double size)
 	const double gap = contact.treeA->errorLength() + (contact.treeB ? contact.treeB->errorLength() : 0);
 	return std::min(std::max(gap, kLeastDepthOfLeaves * size), most);
 }
+
+double sizeOfSmaller(const btISTContact& contact)
+{
+	return std::cbrt(std::min(contact.treeA->volume, contact.treeB ? contact.treeB->volume : contact.volumeB));
+}
+
+double traceOfForces(const ist::SymmetricMatrix6& K) { return K(0, 0) + K(1, 1) + K(2, 2); }
 }  // namespace
+
+void setStiffnessForArea(btISTContact& contact)
+{
+	btISTPairConstants& constants = contact.constants;
+	if (constants.rule != btISTStiffnessRule::OwnLoad) return;
+	const double size = sizeOfSmaller(contact), all = size * size;
+	const double area = constants.weightA * traceOfForces(contact.total.stiffnessA) +
+		constants.weightB * traceOfForces(contact.total.stiffnessB);
+	constants.k = constants.load / (constants.depth * std::clamp(area, kLeastAreaPerSize * all, all));
+}
 
 bool btISTContact::supposesOthers() const
 {
@@ -91,11 +111,10 @@ double btISTContact::thickness() const
 btISTPairConstants btISTDefaultPairRule::decide(
 	const btISTContact& contact, const btCollisionObject* bodyA, const btCollisionObject* bodyB) const
 {
-	const double volume = std::min(contact.treeA->volume, contact.treeB ? contact.treeB->volume : contact.volumeB);
-	const double size = std::cbrt(volume);
+	const double size = sizeOfSmaller(contact);
 	const double gravityA = gravityOf(bodyA, m_gravity), gravityB = gravityOf(bodyB, m_gravity);
 	double load = std::max(dynamicMass(bodyA) * gravityA, dynamicMass(bodyB) * gravityB);
-	if (!(load > 0)) load = kWaterDensity * volume * m_gravity;
+	if (!(load > 0)) load = kWaterDensity * size * size * size * m_gravity;
 
 	btISTPairConstants constants;
 	constants.load = load;

@@ -176,6 +176,10 @@ struct btISTContact
 	btISTCachedResult kept;
 };
 
+/// Stiffness of a pair without materials where no solver raises it: the heavier body's weight on the area of the contact presses it in by
+/// the aimed depth. The area counts between a hundredth and all of the square of the smaller body's size. Does nothing to other pairs.
+void setStiffnessForArea(btISTContact& contact);
+
 /// Looks for what the motion of a step brings. A solver asks it about bodies that contacts have deflected.
 class btISTMotionProbe
 {
@@ -223,6 +227,9 @@ public:
 	/// A solver that can wait for the touch switches it on.
 	void predictTouch(bool on) { m_predictsTouch = on; }
 	bool predictsTouch() const { return m_predictsTouch; }
+	/// If on, the solver raises the stiffness of pairs without materials by what presses. Otherwise setStiffnessForArea holds for them.
+	void raiseStiffness(bool on) { m_raisesStiffness = on; }
+	bool raisesStiffness() const { return m_raisesStiffness; }
 	/// Null: there is none.
 	btISTMotionProbe* motionProbe() const { return m_motionProbe; }
 	void setMotionProbe(btISTMotionProbe* probe) { m_motionProbe = probe; }
@@ -250,7 +257,7 @@ private:
 	std::vector<std::unique_ptr<btISTContact>> m_pool;
 	uint64_t m_step = 1, m_touchesMissed = 0;
 	btISTMotionProbe* m_motionProbe = nullptr;
-	bool m_measures = false, m_sumsDamping = false, m_predictsTouch = false;
+	bool m_measures = false, m_sumsDamping = false, m_predictsTouch = false, m_raisesStiffness = false;
 	double m_querySeconds = 0;
 	btISTQueryCost m_cost;
 };

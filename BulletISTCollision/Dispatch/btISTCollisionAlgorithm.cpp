@@ -215,6 +215,7 @@ void btISTCollisionAlgorithm::evaluate(
 	if (kept && m_context->store.predictsTouch() && contact.status == ist::QueryStatus::Ok) predictTouch(query, step, contact);
 	if (contact.touchMissed) m_context->store.countMissedTouch();
 	contact.constants = m_context->rule->decide(contact, contact.bodyA, contact.bodyB);
+	if (!m_context->store.raisesStiffness()) setStiffnessForArea(contact);
 	if (query.lacksDamping(contact))  // the sums used the constants of the last step
 	{
 		if (contact.ahead > 0) query.queryAt(contact, m_context->workspace);
