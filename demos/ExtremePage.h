@@ -18,6 +18,8 @@ void printFriction();
 void printTumbling(const scenes::ExtremeSolid& cube);
 void printThinPlate();
 void printNotFinite(const scenes::ExtremeSolid& cube);
+/// The rows again with nothing set.
+void printNothingSet(const scenes::ExtremeSolid& cube);
 /// What other commands print or test.
 void printElsewhere();
 }  // namespace page

@@ -223,5 +223,7 @@ int main()
 	printThinPlate();
 	printNotFinite(cube.value());
 	printElsewhere();
+	std::printf("\n## With nothing set\n\n| extreme | stock Bullet | ours | reference |\n|---|---|---|---|\n");
+	printNothingSet(cube.value());
 	return EXIT_SUCCESS;
 }

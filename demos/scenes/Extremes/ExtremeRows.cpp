@@ -233,7 +233,7 @@ double huntCrossleyRestitution(double dv)
 
 SlopeOutcome slideOnSlope(const ExtremeSolid& slab, double friction, double angle, double heading, double k, double h)
 {
-	const double gravity = 9.81, height = ist::bounds(slab.mesh).size().y, depth = gravity / k, mass = 1;
+	const double gravity = 9.81, height = ist::bounds(slab.mesh).size().y, depth = k > 0 ? gravity / k : 0, mass = 1;
 	ExtremeWorld world(Response::Volumetric, gravity);
 	world.addFloor()->setFriction(btScalar(1));
 	const ist::Vec3 down{std::cos(heading), 0, std::sin(heading)};
@@ -259,7 +259,7 @@ double drillingStopTime(const ExtremeSolid& disc, double radius, double friction
 {
 	const double gravity = 9.81, mass = 1, inertia = 0.5 * mass * radius * radius, spin = 20;
 	const double height = ist::bounds(disc.mesh).size().z;
-	const double depth = mass * gravity / (k * kPi * radius * radius);
+	const double depth = k > 0 ? mass * gravity / (k * kPi * radius * radius) : 0;
 	ExtremeWorld world(Response::Volumetric, gravity);
 	world.addFloor()->setFriction(btScalar(1));
 	btRigidBody* body = world.add(disc, mass, inertia, transformOf({1, height / 2 - depth, -2}, {-kPi / 2, 0, 0}), k);

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 /// The rows of the page on extremes, as measurements: tests judge them, and the page prints them. Every scene is a function of its
-/// arguments. k [Pa/m] is always that of the pair.
+/// arguments. k [Pa/m] is always that of the pair; with 0 it is not set, and the default rule decides.
 namespace scenes
 {
 /// Volume of the tree's own balls below the plane y = `height`, ball by ball in double [m^3]. This is the model's curve without the
@@ -49,7 +49,7 @@ RestOutcome restOnPlane(Response response, const ExtremeSolid& cube, const RestS
 struct CollisionSetup
 {
 	double mass = 2, inertia = 0.2;
-	double k = 1e5;           ///< stiffness of the pair [Pa/m]; 0: default rule
+	double k = 1e5;           ///< stiffness of the pair [Pa/m]
 	double dissipation = -1;  ///< dissipation [s/m]; negative: default
 	double common = 1;        ///< largest velocity per axis that is added to both bodies [m/s]
 	double speed = 4, spin = 4, h = 1.0 / 60, friction = 0;
