@@ -21,7 +21,7 @@ constexpr double kPi = std::numbers::pi;
 Mesh threadedRod(double pitch = 0.25)
 {
 	constexpr double kLength = 3;
-	constexpr uint32_t kAround = 96, kAlong = 720;
+	constexpr uint32_t kAround = 96, kAlong = 480;
 	Mesh mesh;
 	for (uint32_t j = 0; j <= kAlong; ++j)
 		for (uint32_t i = 0; i < kAround; ++i)
@@ -66,7 +66,7 @@ TEST(BodySurface, HasMorePiecesWhereItsErrorAsksForThem)
 {
 	const MeshDistance rod(threadedRod());
 	BodySurfaceOptions options;
-	options.cells = options.elements = 400;
+	options.cells = options.elements = 150;
 	const BodySurface coarse = buildBodySurface(rod, options).value();
 	const double error = depthErrorOnSurface(coarse.field, rod.mesh(), 1);
 	EXPECT_NEAR(error, depthAtCentroids(coarse.field, rod.mesh()), 0.15 * error);
@@ -101,7 +101,7 @@ TEST(BodySurface, IsTheSameForAnyNumberOfThreadsAndCanBeCancelled)
 {
 	const MeshDistance rod(threadedRod());
 	BodySurfaceOptions options;
-	options.cells = options.elements = 200;
+	options.cells = options.elements = 100;
 	options.error = 1e-3;
 	options.threads = 1;
 	double last = 0;
