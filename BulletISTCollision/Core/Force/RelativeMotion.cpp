@@ -53,12 +53,13 @@ void moveB(OverlapIntegrals& sums, const Twist& motion)
 	const Vec3 centroid = sums.volume > 0 ? sums.firstMoment / sums.volume : Vec3();
 	// The stiffness of surfaces is the symmetric part of a derivative whose other part follows from the wrench: half of what the wrench
 	// changes by when it moves with B (docs/model.md, section 3).
-	const double share = sums.volume > 0 ? sums.surfaceVolume / sums.volume : 0;
+	const auto shareOf = [&](double volume) { return sums.volume > 0 ? volume / sums.volume : 0; };
+	const double foundation = shareOf(sums.foundationVolume), curved = shareOf(sums.surfaceVolume) - foundation;
 	const double formerA = norm(sums.normalA.force), formerB = norm(sums.normalB.force);
-	const double shareB = sums.volume > 0 ? (sums.surfaceVolume - sums.foundationVolume) / sums.volume : 0;
-	sums.normalA = sums.normalA - ofA + 0.5 * share * movedWith(motion, sums.normalA);
-	sums.normalB = sums.normalB + ofB + 0.5 * shareB * movedWith(motion, sums.normalB) +
-		(1 - shareB) * turnedAbout(centroid, sums.normalB, motion.angular);
+	sums.normalA = sums.normalA - ofA + 0.5 * curved * movedWith(motion, sums.normalA) +
+		foundation * turnedAbout(centroid, sums.normalA, motion.angular);
+	sums.normalB = sums.normalB + ofB + 0.5 * curved * movedWith(motion, sums.normalB) +
+		(1 - curved) * turnedAbout(centroid, sums.normalB, motion.angular);
 	if (formerA > 0) sums.pressedA *= norm(sums.normalA.force) / formerA;
 	if (formerB > 0) sums.pressedB *= norm(sums.normalB.force) / formerB;
 	if (!(sums.volume > 0)) return;

@@ -89,11 +89,13 @@ double weightedColumns(const ContactFace& face, double sign, const DampingWeight
 }
 
 /// Adds what a face says of forces, stiffness and damping; everything but the volume. `sign`: 1 for a face of B, -1 for one of A.
-/// `onFoundation`: the other body presses along one normal, and the face counts with its projection on it.
-void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, bool onFoundation, const DampingWeights& weights)
+/// `foundation`: gradient of the depth of a B that presses along one normal; otherwise null. All forces are along it. What the faces press
+/// across it adds up to nothing, but in one patch, in the projected stiffness and in the damping it would hold back what slides.
+void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, const Vec3* foundation, const DampingWeights& weights)
 {
-	const Vec3 &g = face.gradient, &x = face.center, &p = face.pressureCenter;
-	const Vec3 n = onFoundation ? dot(face.areaNormal, g) * g : face.areaNormal;
+	const Vec3 &x = face.center, &p = face.pressureCenter;
+	const auto along = [&](const Vec3& v) { return foundation ? dot(v, *foundation) * *foundation : v; };
+	const Vec3 n = along(face.areaNormal), g = along(face.gradient);
 	Wrench& normal = sign > 0 ? sums.normalA : sums.normalB;
 	normal.force -= face.pressure;
 	normal.torque -= cross(p, face.pressure);
@@ -104,7 +106,7 @@ void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, bool 
 	SymmetricMatrix6& stiffness = sign > 0 ? sums.stiffnessA : sums.stiffnessB;
 	addSymmetric(stiffness, G, H, 1);
 	// Along a curved face the normal turns, and takes back what the way from the center adds: a screw slides along its thread.
-	const bool flat = onFoundation || isZero(face.spread);
+	const bool flat = foundation || isZero(face.spread);
 	if (flat) addSpin(stiffness, face.second, n, g, 1 / face.area);
 	// The body whose depth presses moves along its own normals, which the depth's gradient has all along the columns below the face.
 	const double weight = weightedColumns(face, sign, weights);
@@ -400,6 +402,7 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 		for (size_t i = 0; i < work.ofB.count; ++i) function(work.ofB.faces[i], i, 1.0);
 		for (size_t i = 0; i < work.ofA.count; ++i) function(work.ofA.faces[i], work.ofB.count + i, -1.0);
 	};
+	const Vec3 foundation = onFoundation ? work.ofA.faces[0].gradient : Vec3();
 	const int patches = FaceGrouping(work, mostPatches, onFoundation).group();
 	const float* patchOf = work.grouper.patch();
 	for (size_t p = 0; p < size_t(patches); ++p)
@@ -420,7 +423,7 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	}
 	forAll([&](const ContactFace& face, size_t index, double sign) {
 		const size_t p = size_t(patchOf[index]);
-		addFace(work.patches[p], face, sign, onFoundation && sign < 0, damping);
+		addFace(work.patches[p], face, sign, onFoundation ? &foundation : nullptr, damping);
 		work.patches[p].forceVariance += forceVariance(sign > 0 ? A.field : B.field, face, partOf(index).form.area());
 		if (!onFoundation) work.places[p].add(face, sign, damping);
 		else if (sign < 0) work.places[p].addColumn(face, damping);
