@@ -3,7 +3,6 @@
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "demos/ExtremePage.h"
 #include "demos/scenes/Extremes/CubeTower.h"
-#include "demos/scenes/Extremes/ExtremeMotions.h"
 #include "demos/scenes/Extremes/ExtremeRows.h"
 
 #include <algorithm>
@@ -52,11 +51,7 @@ void printScales()
 		const double edge = std::ldexp(1, power);
 		const ist::Result<ExtremeSolid> cube = makeExtremeSolid(ist::makeBoxMesh(0.5 * edge * ist::Vec3{1, 1, 1}), 500);
 		if (!cube) continue;
-		RestSetup setup;
-		setup.mass = 1000 * edge * edge * edge;
-		setup.k = 0;
-		setup.h = std::sqrt(edge) / 60;
-		setup.seconds = 6 * std::sqrt(edge);
+		const RestSetup setup = waterCube(edge, 6);
 		row(text("water cube of %.4g m, %.3g kg", edge, setup.mass), describe(restOnPlane(Response::Stock, cube.value(), setup), edge),
 			describe(restOnPlane(Response::Volumetric, cube.value(), setup), edge), "0.0002 to 0.005; 0; 0; 0");
 	}

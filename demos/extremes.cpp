@@ -107,11 +107,8 @@ void printScales()
 		const double edge = std::ldexp(1, power);
 		const ist::Result<ExtremeSolid> cube = makeExtremeSolid(ist::makeBoxMesh(0.5 * edge * ist::Vec3{1, 1, 1}), 500);
 		if (!cube) continue;
-		RestSetup setup;
-		setup.mass = 1000 * edge * edge * edge;
+		RestSetup setup = waterCube(edge, 12);
 		setup.k = setup.mass * kGravity / (0.05 * edge * edge * edge);
-		setup.h = std::sqrt(edge) / 60;
-		setup.seconds = 12 * std::sqrt(edge);
 		setup.dissipation = 5 / std::sqrt(edge);
 		const RestOutcome ours = restOnPlane(Response::Volumetric, cube.value(), setup),
 						  stock = restOnPlane(Response::Stock, cube.value(), setup);

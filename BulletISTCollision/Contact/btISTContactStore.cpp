@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Contact/btISTContactStore.h"
 
+#include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Tuning/StableTimeStep.h"
 
 #include "BulletDynamics/Dynamics/btRigidBody.h"
@@ -83,8 +84,6 @@ double sizeOfSmaller(const btISTContact& contact)
 {
 	return std::cbrt(std::min(contact.treeA->volume, contact.treeB ? contact.treeB->volume : contact.volumeB));
 }
-
-double traceOfForces(const ist::SymmetricMatrix6& K) { return K(0, 0) + K(1, 1) + K(2, 2); }
 }  // namespace
 
 void setStiffnessForArea(btISTContact& contact)
@@ -92,8 +91,8 @@ void setStiffnessForArea(btISTContact& contact)
 	btISTPairConstants& constants = contact.constants;
 	if (constants.rule != btISTStiffnessRule::OwnLoad) return;
 	const double size = sizeOfSmaller(contact), all = size * size;
-	const double area = constants.weightA * traceOfForces(contact.total.stiffnessA) +
-		constants.weightB * traceOfForces(contact.total.stiffnessB);
+	const ist::SymmetricMatrix6 K = ist::pressureStiffness(contact.total, {1, constants.weightA, constants.weightB});
+	const double area = K(0, 0) + K(1, 1) + K(2, 2);
 	constants.k = constants.load / (constants.depth * std::clamp(area, kLeastAreaPerSize * all, all));
 }
 

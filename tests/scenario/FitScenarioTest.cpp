@@ -92,7 +92,8 @@ struct NutOnBolt : Scene
 		world.setGravity(btVector3(0, btScalar(-kGravity), 0));
 		btRigidBody* fixed = add(volumetricShape(bolt), 0, 0, at({}));
 		nut = add(volumetricShape(nutSolid), kMass, kInertia, at({0, 2 * Thread::kPitch, 0}));
-		for (btRigidBody* body : {fixed, nut}) body->setFriction(btScalar(body == nut ? friction : 1));
+		fixed->setFriction(1);
+		nut->setFriction(btScalar(friction));
 		if (k > 0) setStiffness(nut, k);
 	}
 

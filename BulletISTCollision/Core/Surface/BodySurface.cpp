@@ -73,16 +73,18 @@ Result<BodySurface> buildBodySurface(const MeshDistance& mesh, Result<ContactSur
 	BodySurfaceOptions finer = options;
 	// What was reported stays so.
 	if (options.progress) finer.progress = [&](const char*, double) { return options.progress("field", 1); };
-	for (int round = 0; options.error > 0 && round < kMostRefinements; ++round)
+	const auto errorOf = [&](const BodySurface& surface) { return depthErrorOnSurface(surface.field, mesh.mesh(), options.seed); };
+	double error = options.error > 0 ? errorOf(body.value()) : 0;
+	for (int round = 0; error > options.error && round < kMostRefinements; ++round)
 	{
-		const double error = depthErrorOnSurface(body.value().field, mesh.mesh(), options.seed);
-		if (error <= options.error) break;
 		finer.cells *= kFinerPieces;
 		finer.elements *= kFinerPieces;
 		Result<BodySurface> better = bodySurface(mesh, buildContactSurface(mesh.mesh(), {finer.elements, finer.progress}), finer);
 		if (!better) return better;
-		if (depthErrorOnSurface(better.value().field, mesh.mesh(), options.seed) > kFinerError * error) break;
+		const double betterError = errorOf(better.value());
+		if (betterError > kFinerError * error) break;
 		body = std::move(better);
+		error = betterError;
 	}
 	body.value().tables = buildQueryTables(body.value().surface, body.value().field);
 	return body;

@@ -104,6 +104,16 @@ double modelSinkage(const ExtremeSolid& cube, const ExtremeSolid* below, double 
 	return 0.5 * (low + high);
 }
 
+RestSetup waterCube(double edge, double seconds)
+{
+	RestSetup setup;
+	setup.mass = 1000 * edge * edge * edge;
+	setup.k = 0;
+	setup.h = std::sqrt(edge) / 60;
+	setup.seconds = seconds * std::sqrt(edge);
+	return setup;
+}
+
 RestOutcome restOnPlane(Response response, const ExtremeSolid& cube, const RestSetup& s)
 {
 	const double edge = ist::bounds(cube.mesh).longestSide(), weight = s.mass * s.gravity, inertia = s.mass * edge * edge / 6;

@@ -30,6 +30,9 @@ struct RestSetup
 	double dissipation = -1;  ///< dissipation [s/m]; negative: default
 	bool mayTurn = true;
 };
+/// A cube of water under Froude's scaling: times are proportional to the root of the edge, and so is the step. `seconds`: for an edge of
+/// 1 m. The stiffness is not set.
+RestSetup waterCube(double edge, double seconds);
 struct RestOutcome
 {
 	bool finite = true;

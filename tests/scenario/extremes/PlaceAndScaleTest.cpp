@@ -5,16 +5,12 @@ using namespace extremes;
 
 namespace
 {
-/// A water cube of the given edge under Froude's scaling. Times and speeds are proportional to the root of the edge, and so are the step
-/// and the inverse of the dissipation. The motion is the same in units of the edge.
-RestOutcome waterCube(double edge)
+/// A water cube (scenes::waterCube) whose dissipation is scaled, too. The motion is the same in units of the edge.
+RestOutcome restOfWaterCube(double edge)
 {
 	const ExtremeSolid cube = solidOf(ist::makeBoxMesh(0.5 * edge * ist::Vec3{1, 1, 1}), 500);
-	RestSetup setup;
-	setup.mass = 1000 * edge * edge * edge;
+	RestSetup setup = waterCube(edge, 12);
 	setup.k = setup.mass * kGravity / (0.05 * edge * edge * edge);
-	setup.h = std::sqrt(edge) / 60;
-	setup.seconds = 12 * std::sqrt(edge);
 	setup.dissipation = 5 / std::sqrt(edge);
 	return restOnPlane(Response::Volumetric, cube, setup);
 }
@@ -42,12 +38,12 @@ double depthErrorAt(double distance, double depth)
 // Sizes are powers of two, from 1 mm to 1 km. A library without an absolute length gives the same digits for all.
 TEST(Scale, DepthOverSizeDoesNotDependOnTheSize)
 {
-	const RestOutcome one = waterCube(1);
+	const RestOutcome one = restOfWaterCube(1);
 	for (const int power : {-10, -7, -4, 4, 7, 10})
 	{
 		const double edge = std::ldexp(1, power);
 		// Cubes above 25 m are heavier than 1.4e7 kg. In float, Bullet's own contact treats them as immovable and lets them fall through.
-		const RestOutcome rest = waterCube(edge);
+		const RestOutcome rest = restOfWaterCube(edge);
 		std::printf("  edge %g m: depth over edge %+.2e of that at 1 m\n", edge, rest.depth / edge / one.depth - 1);
 		EXPECT_TRUE(rest.finite);
 		EXPECT_NEAR(rest.depth / edge, one.depth, 0.01 * one.depth) << edge;
