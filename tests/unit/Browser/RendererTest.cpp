@@ -173,8 +173,8 @@ TEST_P(Golden, PictureLooksAsItDid)
 	const auto failed = demo->prepare(options);
 	ASSERT_FALSE(failed) << failed->message;
 	ASSERT_FALSE(demo->restart());
-	// A pile that falls is chaotic: after half a second roundings, which differ from one instruction set to the next, are seen.
-	const double until = std::string(GetParam().name) == "pile" ? 0.15 : 0.5;
+	// A pile that falls is chaotic. What a rounding does to its first impacts is seen after 0.15 s; until 0.06 s it is not.
+	const double until = std::string(GetParam().name) == "pile" ? 0.06 : 0.5;
 	while (demo->time() < until) demo->step(demo->stepSize());
 	const Picture now = withFewerColours(photographer.value()->take(*demo, false));
 	const std::string path = std::string(GOLDEN_PICTURES) + "/" + GetParam().name + ".png";
