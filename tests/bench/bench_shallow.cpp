@@ -8,6 +8,7 @@
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/OverlapQuery.h"
 #include "tests/bench/bodies/BenchBodies.h"
+#include "tests/unit/BoredMesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -120,27 +121,6 @@ void Bench::announced(const char* name, const Mesh& mesh)
 		kPoses, 1e3 * mean, 50 * body.tree.meanGap);
 }
 
-/// A block with a bore along z.
-Mesh bored(double radius, int n)
-{
-	Mesh mesh;
-	for (int ring = 0; ring < 4; ++ring)
-		for (int i = 0; i < n; ++i)
-		{
-			const double t = 2 * kPi * i / n, c = std::cos(t), s = std::sin(t);
-			const double r = ring < 2 ? 0.03 / std::max(std::fabs(c), std::fabs(s)) : radius;
-			mesh.vertices.push_back({r * c, r * s, ring == 0 || ring == 3 ? -0.01 : 0.01});
-		}
-	for (uint32_t ring = 0; ring < 4; ++ring)
-		for (uint32_t i = 0; i < uint32_t(n); ++i)
-		{
-			const uint32_t j = (i + 1) % uint32_t(n), next = (ring + 1) % 4, m = uint32_t(n);
-			mesh.triangles.push_back({ring * m + i, ring * m + j, next * m + j});
-			mesh.triangles.push_back({ring * m + i, next * m + j, next * m + i});
-		}
-	return mesh;
-}
-
 /// A pin of 20 mm in a bore: the shared volume while it is free, and the force when it is pushed beyond the clearance.
 void Bench::pin()
 {
@@ -149,7 +129,7 @@ void Bench::pin()
 	const Body pin = bodyOf(makeCylinderMesh(kRadius, 0.02, kSegments), m_spheres);
 	for (const double clearance : {1e-3, 0.25e-3, 0.05e-3, 0.01e-3})
 	{
-		const Body block = bodyOf(bored(kRadius + clearance, kSegments), m_spheres);
+		const Body block = bodyOf(boredMesh(kRadius + clearance, {0.03, true}, 0.01, kSegments), m_spheres);
 		double most = 0;
 		for (int turn = 0; turn < 20; ++turn)
 			most = std::max(most, ask(block, pin, {turned(2 * kPi * (turn + 0.3) / 20, {0, 0, 1}), {}}).total.volume);

@@ -61,6 +61,15 @@ inline CellDepth depthIn(const DepthCell& cell, const float* x)
 		{cell.gradient[0] + hy[0], cell.gradient[1] + hy[1], cell.gradient[2] + hy[2]}};
 }
 
+/// By how much the depth's gradient changes along a way within a cell.
+Vec3 gradientChange(const DepthCell& cell, const Vec3& way)
+{
+	const float y[3] = {float(way.x), float(way.y), float(way.z)};
+	float change[3];
+	timesHessian(cell, y, change);
+	return toVec3(change);
+}
+
 /// Turns what a kernel finds into faces, and cuts the elements that need it.
 class FaceCollector
 {
@@ -194,7 +203,9 @@ void FaceCollector::addWhole(const FaceBatch& batch, int k)
 	face->areaNormal = vectorOf(batch, FaceBatch::AreaNormal, k);
 	face->pressure = vectorOf(batch, FaceBatch::Pressure, k);
 	face->pressureCenter = vectorOf(batch, FaceBatch::PressureCenter, k);
-	face->gradient = vectorOf(batch, FaceBatch::Gradient, k);
+	// The kernel gives the mean over the element, which may be many times larger than the face.
+	face->gradient = vectorOf(batch, FaceBatch::Gradient, k) +
+		gradientChange(m_cells[batch.cell[k]], face->center - m_X * toVec3(m_elements[batch.element[k]].center));
 	setSpread(*face, vectorOf(batch, FaceBatch::SpreadS, k), vectorOf(batch, FaceBatch::SpreadT, k), vectorOf(batch, FaceBatch::E1, k),
 		vectorOf(batch, FaceBatch::E2, k), vectorOf(batch, FaceBatch::NormalS, k), vectorOf(batch, FaceBatch::NormalT, k));
 	face->area = batch.column[FaceBatch::Area][k];
@@ -224,7 +235,8 @@ void FaceCollector::addCut(const FaceBatch& batch, int k)
 	m_areaScale = m_isTriangle ? -2.0 * number(FaceBatch::SignedArea) : 0.25 * number(FaceBatch::SignedArea);
 	m_flush = number(FaceBatch::Flush);
 	m_gradient = vectorOf(batch, FaceBatch::Gradient, k);
-	m_gradientS = m_gradientT = {};
+	m_gradientS = gradientChange(m_cells[m_cell], m_e1);
+	m_gradientT = gradientChange(m_cells[m_cell], m_e2);
 	const auto depth = [&](int i) { return number(FaceBatch::Depth + i); };
 	addPolygon(wholePolygon(), {depth(0), depth(1), depth(2), depth(3), depth(4), depth(5)}, 0);
 }

@@ -4,6 +4,7 @@
 #include "BulletISTCollision/Core/Faces/DepthIntegral.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
 #include "BulletISTCollision/Core/Query/QueryWorkspaceState.h"
+#include "tests/unit/BoredMesh.h"
 #include "tests/unit/Core/Query/FaceReference.h"
 #include "tests/unit/Core/Query/SurfaceBodies.h"
 #include "tests/unit/CountingAllocator.h"
@@ -13,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <numbers>
 #include <random>
 #include <string>
 #include <utility>
@@ -209,6 +211,40 @@ TEST(ContactFaces, AreFiniteAndLieInTheirElements)
 			ASSERT_LT(norm(f.areaNormal), 2 * f.area) << i;
 		}
 	}
+}
+
+// A face may be a small part of its element, where the kernel has the mean gradient of the depth. The edge of a cube in a pipe is such a
+// face. A pipe's depth has the direction of the radius.
+TEST(ContactFaces, GradientsAreThoseAtTheFaces)
+{
+	constexpr double kRadius = 0.2, kHalf = 0.02;
+	const BodySurface pipe = surfaceOf(boredMesh(kRadius, {0.25}, 0.1, 256), 1500),
+					  cube = surfaceOf(makeBoxMesh({kHalf, kHalf, kHalf}), 300);
+	QueryWorkspace workspace;
+	FaceList list = listOf(2000);
+	std::mt19937 random(23);
+	std::uniform_real_distribution<double> u(0, 1);
+	double off = 0, area = 0;
+	for (int i = 0; i < 200; ++i)
+	{
+		Pose X;
+		X.rotation = turned(2 * std::numbers::pi * u(random), {0, 0, 1});
+		const double depth = 1e-4 * (1 + 2 * u(random)), below = std::sqrt(kRadius * kRadius - kHalf * kHalf) - kHalf + depth;
+		X.translation = X.rotation * Vec3{0, -below, 0} + Vec3{0, 0, 0.05 * (u(random) - 0.5)};
+		list.clear();
+		collectFaces(cube, pipe, X, kernelOf(workspace), list);
+		for (size_t k = 0; k < list.count; ++k)
+		{
+			const ContactFace& f = list.faces[k];
+			const double angle = norm(normalized(f.gradient) - normalized({f.center.x, f.center.y, 0}));
+			EXPECT_LT(angle, 0.05) << i;
+			off += f.area * angle;
+			area += f.area;
+		}
+	}
+	EXPECT_GT(area, 0);
+	// A fifth of the angle between two facets; the bottom of the cube spans eight of them.
+	EXPECT_LT(off, 0.005 * area);
 }
 
 TEST(ContactFaces, AllocateNothing)

@@ -3,6 +3,7 @@
 
 #include "BulletISTCollision/Core/Base/CounterRandom.h"
 #include "BulletISTCollision/Core/Mesh/MeshShapes.h"
+#include "tests/unit/BoredMesh.h"
 #include "tests/unit/JoinedMesh.h"
 #include "tests/unit/NotchedBeam.h"
 
@@ -113,31 +114,6 @@ void expectExact(const Mesh& mesh, int64_t cells, size_t most, double tolerance 
 	EXPECT_LE(pointsOff(field, surface, innerPoints(surface, 20000, 4), 1e-5 * size), 4) << "of 20000 points";
 }
 
-/// A cylinder with a bore along its axis, z.
-Mesh boredCylinder(double outer, double inner, double halfHeight, uint32_t segments)
-{
-	Mesh mesh;
-	for (uint32_t i = 0; i < segments; ++i)
-	{
-		const double a = 2 * std::numbers::pi * i / segments;
-		for (const double r : {outer, inner})
-			for (const double z : {-halfHeight, halfHeight}) mesh.vertices.push_back({r * std::cos(a), r * std::sin(a), z});
-	}
-	const auto addQuad = [&mesh](uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
-		mesh.triangles.push_back({a, b, c});
-		mesh.triangles.push_back({a, c, d});
-	};
-	for (uint32_t i = 0; i < segments; ++i)
-	{
-		const uint32_t p = 4 * i, q = 4 * ((i + 1) % segments);
-		addQuad(p, q, q + 1, p + 1);          // outside
-		addQuad(q + 2, p + 2, p + 3, q + 3);  // bore
-		addQuad(p + 1, q + 1, q + 3, p + 3);  // top
-		addQuad(q, p, p + 2, q + 2);          // bottom
-	}
-	return mesh;
-}
-
 /// No point of the surface may lie in a node that is said to be outside. Points inside are hardly ever deeper than their nodes say.
 void expectBounded(const Mesh& mesh, int64_t cells)
 {
@@ -221,7 +197,7 @@ TEST(DepthField, ErrorOfASphereFallsWithTheCells)
 TEST(DepthField, FollowsACylinderAndItsBore)
 {
 	const double outer = 0.1, inner = 0.06, halfHeight = 0.2;
-	const Mesh mesh = boredCylinder(outer, inner, halfHeight, 256);
+	const Mesh mesh = boredMesh(inner, {outer}, halfHeight, 256);
 	const MeshDistance surface(mesh);
 	ASSERT_TRUE(surface.contains({0.08, 0, 0}));
 	ASSERT_FALSE(surface.contains({0, 0, 0}));
