@@ -53,8 +53,8 @@ private:
 
 void add(Hash& h, const OverlapIntegrals& o)
 {
-	for (const double x :
-		{o.volume, o.depthA, o.depthB, o.surfaceVolume, o.foundationVolume, o.forceVariance, o.volumeVariance, o.pressedA, o.pressedB})
+	for (const double x : {o.volume, o.depthA, o.depthB, o.surfaceVolume, o.slidingVolumeA, o.slidingVolumeB, o.forceVariance,
+			 o.volumeVariance, o.pressedA, o.pressedB})
 		h.add(x);
 	for (const Vec3& v : {o.firstMoment, o.areaVector}) h.add(v);
 	for (const Wrench& w : {o.normalA, o.normalB, o.line}) h.add(w);

@@ -109,7 +109,7 @@ struct NutOnBolt : Scene
 	/// Measured over the later part of a second, when the nut lies on the flank [rad/s^2].
 	double measured(double rate)
 	{
-		run(0.2, rate);
+		run(0.4, rate);
 		const double before = double(nut->getAngularVelocity().y());
 		run(0.6, rate);
 		return std::fabs(double(nut->getAngularVelocity().y()) - before) / 0.6;

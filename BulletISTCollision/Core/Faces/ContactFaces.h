@@ -17,7 +17,7 @@ struct ContactFace
 {
 	Vec3 center;               ///< centroid of the area [m]
 	Vec3 areaNormal;           ///< integral of n dS [m^2]
-	Vec3 pressure;             ///< integral of d n dS [m^3]
+	Vec3 pressure;             ///< integral of d n dS [m^3]; surfaceOverlap turns it along the normals of ContactNormals
 	Vec3 pressureCenter;       ///< centroid of d dS [m]
 	Vec3 gradient;             ///< of d, at the center
 	Mat3 spread = zeroMat3();  ///< integral of (x - center) n^T dS [m^3]
@@ -29,6 +29,15 @@ struct ContactFace
 	uint32_t element = 0;      ///< of the surface
 	uint32_t cell = 0;         ///< of the field, at a point of the piece
 };
+
+/// Whether n is the same all over the face.
+inline bool isFlat(const ContactFace& face)
+{
+	for (const auto& row : face.spread.m)
+		for (const double x : row)
+			if (x != 0) return false;
+	return true;
+}
 
 /// Work done by collectFaces, independent of the machine and of the instruction set.
 struct FaceCounts

@@ -12,7 +12,7 @@ namespace
 void setExtent(ContactPoint& point, const ContactFace& face)
 {
 	Vec3 u, v;
-	completeFrame(point.normal, u, v);
+	completeFrame(normalized(face.areaNormal), u, v);
 	const double uu = dot(u, face.second * u), vv = dot(v, face.second * v), uv = dot(u, face.second * v);
 	const double mean = 0.5 * (uu + vv), half = std::hypot(0.5 * (uu - vv), uv), angle = 0.5 * std::atan2(uv, 0.5 * (uu - vv));
 	// A rectangle has the variance side^2 / 3.

@@ -20,6 +20,15 @@ Wrench turnedAbout(const Vec3& center, const Wrench& w, const Vec3& by)
 	return {force, cross(center, force) + cross(by, rest)};
 }
 
+/// Change of a wrench along the normals of A, over which B slides: the force keeps its direction, and moves on with B.
+Wrench slidOver(const Vec3& center, const Wrench& w, const Twist& motion)
+{
+	const double size = norm(w.force);
+	if (!(size > 0)) return {};
+	const Vec3 normal = w.force / size, way = motion.linear + cross(motion.angular, center);
+	return {{}, cross(way - dot(way, normal) * normal, w.force)};
+}
+
 /// Change of a wrench that moves as a whole with the motion.
 Wrench movedWith(const Twist& motion, const Wrench& w)
 {
@@ -51,15 +60,18 @@ void moveB(OverlapIntegrals& sums, const Twist& motion)
 	sums.depthA += work(0.5 * ofA - sums.normalA, motion);
 	sums.depthB += work(0.5 * ofB + sums.normalB, motion);
 	const Vec3 centroid = sums.volume > 0 ? sums.firstMoment / sums.volume : Vec3();
-	// The stiffness of surfaces is the symmetric part of a derivative whose other part follows from the wrench: half of what the wrench
-	// changes by when it moves with B (docs/model.md, section 3).
+	// The stiffness of curved surfaces is the symmetric part of a derivative whose other part follows from the wrench: half of what the
+	// wrench changes by when it moves with B (docs/model.md, section 3). Where one slides over the other, forces keep its normals.
 	const auto shareOf = [&](double volume) { return sums.volume > 0 ? volume / sums.volume : 0; };
-	const double foundation = shareOf(sums.foundationVolume), curved = shareOf(sums.surfaceVolume) - foundation;
+	const double overA = shareOf(sums.slidingVolumeA), overB = shareOf(sums.slidingVolumeB), surface = shareOf(sums.surfaceVolume),
+				 curved = surface - overA - overB;
+	const auto change = [&](const Wrench& w) {
+		return 0.5 * curved * movedWith(motion, w) + overA * slidOver(centroid, w, motion) +
+			overB * turnedAbout(centroid, w, motion.angular);
+	};
 	const double formerA = norm(sums.normalA.force), formerB = norm(sums.normalB.force);
-	sums.normalA = sums.normalA - ofA + 0.5 * curved * movedWith(motion, sums.normalA) +
-		foundation * turnedAbout(centroid, sums.normalA, motion.angular);
-	sums.normalB = sums.normalB + ofB + 0.5 * curved * movedWith(motion, sums.normalB) +
-		(1 - curved) * turnedAbout(centroid, sums.normalB, motion.angular);
+	sums.normalA = sums.normalA - ofA + change(sums.normalA);
+	sums.normalB = sums.normalB + ofB + change(sums.normalB) + (1 - surface) * turnedAbout(centroid, sums.normalB, motion.angular);
 	if (formerA > 0) sums.pressedA *= norm(sums.normalA.force) / formerA;
 	if (formerB > 0) sums.pressedB *= norm(sums.normalB.force) / formerB;
 	if (!(sums.volume > 0)) return;

@@ -44,7 +44,8 @@ void OverlapIntegrals::add(const OverlapIntegrals& o)
 	depthA += o.depthA;
 	depthB += o.depthB;
 	surfaceVolume += o.surfaceVolume;
-	foundationVolume += o.foundationVolume;
+	slidingVolumeA += o.slidingVolumeA;
+	slidingVolumeB += o.slidingVolumeB;
 	forceVariance += o.forceVariance;
 	volumeVariance += o.volumeVariance;
 	pairs += o.pairs;
@@ -64,7 +65,8 @@ void OverlapIntegrals::scale(double factor)
 	depthA *= factor;
 	depthB *= factor;
 	surfaceVolume *= factor;
-	foundationVolume *= factor;
+	slidingVolumeA *= factor;
+	slidingVolumeB *= factor;
 	forceVariance *= factor * factor;
 	volumeVariance *= factor * factor;
 }

@@ -59,9 +59,9 @@ struct OverlapIntegrals
 	DampingWeights dampingWeights;
 	double depthA = 0, depthB = 0;  ///< sum dd L (q_i - m_i(c_i).(C - c_i)), and the sum with j for i: Int depth dV [m^4]
 	double surfaceVolume = 0;       ///< part of `volume` that comes from surfaces [m^3]; leaves gave the rest
-	/// Part of `surfaceVolume` where B is flat and presses along one normal, as an elastic foundation: the stiffnesses leave out that
-	/// the normal turns with B, as those of leaves do [m^3].
-	double foundationVolume = 0;
+	/// Parts of `surfaceVolume` that press along the normals of A or of B, over which the other slides (ContactNormals.h): the stiffness
+	/// leaves out that these turn with it, as that of leaves does [m^3].
+	double slidingVolumeA = 0, slidingVolumeB = 0;
 	/// Squared errors of the surfaces' part, for the error bar [m^6]: of the force for 1 Pa/m, the sum over faces of (area times error of
 	/// the surface)^2, where all faces in one cell of the field share its error; and of the volume, which adds those of the cuts where the
 	/// surfaces cross.

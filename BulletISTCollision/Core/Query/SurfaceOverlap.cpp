@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Query/SurfaceOverlap.h"
 
+#include "BulletISTCollision/Core/Faces/ContactNormals.h"
 #include "BulletISTCollision/Core/Faces/DepthIntegral.h"
 #include "BulletISTCollision/Core/Faces/FaceParts.h"
 #include "BulletISTCollision/Core/Faces/FaceVolume.h"
@@ -74,14 +75,6 @@ void addSpin(SymmetricMatrix6& K, const SymmetricMatrix3& J, const Vec3& a, cons
 		for (int j = i; j < 3; ++j) K(3 + i, 3 + j) += 0.5 * w * (m[i][j] + m[j][i]);
 }
 
-bool isZero(const Mat3& m)
-{
-	for (const auto& row : m.m)
-		for (const double x : row)
-			if (x != 0) return false;
-	return true;
-}
-
 /// Volume of the columns of a face, with the weight of the body whose depth presses there.
 double weightedColumns(const ContactFace& face, double sign, const DampingWeights& weights)
 {
@@ -89,13 +82,10 @@ double weightedColumns(const ContactFace& face, double sign, const DampingWeight
 }
 
 /// Adds what a face says of forces, stiffness and damping; everything but the volume. `sign`: 1 for a face of B, -1 for one of A.
-/// `foundation`: gradient of the depth of a B that presses along one normal; otherwise null. All forces are along it. What the faces press
-/// across it adds up to nothing, but in one patch, in the projected stiffness and in the damping it would hold back what slides.
-void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, const Vec3* foundation, const DampingWeights& weights)
+void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, const ContactNormals& normals, const DampingWeights& weights)
 {
 	const Vec3 &x = face.center, &p = face.pressureCenter;
-	const auto along = [&](const Vec3& v) { return foundation ? dot(v, *foundation) * *foundation : v; };
-	const Vec3 n = along(face.areaNormal), g = along(face.gradient);
+	const Vec3 slides = normals.at(face, sign), n = normals.along(face.areaNormal, slides), g = normals.along(face.gradient, slides);
 	Wrench& normal = sign > 0 ? sums.normalA : sums.normalB;
 	normal.force -= face.pressure;
 	normal.torque -= cross(p, face.pressure);
@@ -105,9 +95,11 @@ void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, const
 	const double G[6] = {n.x, n.y, n.z, tn.x, tn.y, tn.z}, H[6] = {g.x, g.y, g.z, tg.x, tg.y, tg.z};
 	SymmetricMatrix6& stiffness = sign > 0 ? sums.stiffnessA : sums.stiffnessB;
 	addSymmetric(stiffness, G, H, 1);
-	// Along a curved face the normal turns, and takes back what the way from the center adds: a screw slides along its thread.
-	const bool flat = foundation || isZero(face.spread);
-	if (flat) addSpin(stiffness, face.second, n, g, 1 / face.area);
+	// Along a curved face the normal turns, and takes back what the way from the center adds: a screw slides along its thread. Where the
+	// face presses along the normals of the other body, these do not turn.
+	const bool isOfSmoother = sign > 0 ? normals.areOfB() : normals.areOfA();
+	const bool isPlane = isFlat(face) || normals.isFlat() || (normals.exist() && !isOfSmoother);
+	if (isPlane) addSpin(stiffness, face.second, n, g, 1 / face.area);
 	// The body whose depth presses moves along its own normals, which the depth's gradient has all along the columns below the face.
 	const double weight = weightedColumns(face, sign, weights);
 	if (weight > 0)
@@ -115,7 +107,7 @@ void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, const
 		const Vec3 tp = cross(p, g);
 		const double P[6] = {g.x, g.y, g.z, tp.x, tp.y, tp.z};
 		addSymmetric(sums.damping, P, P, weight);
-		if (flat) addSpin(sums.damping, face.second, g, g, weight / face.area);
+		if (isPlane) addSpin(sums.damping, face.second, g, g, weight / face.area);
 	}
 	++sums.pairs;
 }
@@ -123,7 +115,7 @@ void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, const
 /// Moments of the places where a patch presses, and the weighted volume of its columns.
 struct PressedPlaces
 {
-	double depth = 0, damped = 0, second[6] = {};
+	double depth = 0, damped = 0, area = 0, second[6] = {};
 	Vec3 first;
 
 	void add(const ContactFace& face, double sign, const DampingWeights& weights)
@@ -213,12 +205,20 @@ struct SurfaceWorkspace::Implementation
 	std::vector<OverlapPart> parts;  ///< of each patch; valid for the first patch of a part
 	std::vector<uint32_t> partOf;    ///< first patch of the part of each patch
 	FaceParts faceParts;
+	std::vector<ContactNormals> normals;    ///< of each part of the faces; the last stands for all further parts, and has none
 	DemandZeroArray<uint32_t> firstOfPart;  ///< first patch that was found for each part of the faces
 	ConePoints cones;
 	const QueryKernel* kernel = nullptr;
 
 	/// A part has a point more than it has faces.
-	Implementation(size_t faces, size_t mostParts) : faceParts(2 * faces), firstOfPart(2 * faces), cones(2 * faces + mostParts) {}
+	Implementation(size_t faces, size_t mostParts)
+		: faceParts(2 * faces),
+		  normals(mostParts + 1),
+		  firstOfPart(2 * faces),
+		  cones(2 * faces + mostParts)
+	{}
+
+	ContactNormals& normalsOf(uint32_t part) { return normals[std::min(size_t(part), normals.size() - 1)]; }
 };
 
 SurfaceWorkspace::SurfaceWorkspace(size_t faces, int patches, const kernels::QueryKernel* kernel)
@@ -304,39 +304,65 @@ bool isFoundation(const BodySurface& B, const FaceList& ofA, const FaceList& ofB
 class FaceGrouping
 {
 public:
-	FaceGrouping(SurfaceWorkspace::Implementation& work, int most, bool onFoundation)
+	FaceGrouping(SurfaceWorkspace::Implementation& work, const BodySurface& A, const BodySurface& B, int most)
 		: m_work(work),
-		  m_most(std::min(most, int(work.patches.size()))),
-		  m_onFoundation(onFoundation)
+		  m_hasFaces{!A.surface.elements.empty(), !B.surface.elements.empty()},
+		  m_most(std::min(most, int(work.patches.size())))
 	{}
 
-	/// Returns the number of patches. Sets the first patch of the part of each patch.
+	/// Returns the number of patches. Sets the normals of each part, and the first patch of the part of each patch.
 	int group()
 	{
 		FaceParts& parts = m_work.faceParts;
 		parts.clear();
-		if (m_onFoundation) m_along = m_work.ofA.faces[0].gradient;
-		for (size_t i = 0; i < m_work.ofB.count; ++i) add(m_work.ofB.faces[i], 1);
-		for (size_t i = 0; i < m_work.ofA.count; ++i) add(m_work.ofA.faces[i], -1);
+		forAll([&](const ContactFace& face, double) { parts.add(face); });
 		const uint32_t count = parts.find();
+		const auto forNormals = [&](const auto& function) {
+			for (size_t part = 0; part < std::min(size_t(count), m_work.normals.size() - 1); ++part) function(m_work.normals[part]);
+		};
+		forNormals([](ContactNormals& normals) { normals.clear(); });
 		const PairStream& s = m_work.stream;
-		for (int i = 0; i < m_count; ++i) s.a[i] = s.b[i] = parts.of(size_t(i));
+		m_count = 0;
 		// A pair of the grouper is a face, and both of its balls are the part of the face.
+		forAll([&](const ContactFace& face, double sign) {
+			const uint32_t part = parts.of(size_t(m_count));
+			s.a[m_count] = s.b[m_count] = part;
+			m_work.normalsOf(part).add(face, sign);
+			++m_count;
+		});
+		forNormals([&](ContactNormals& normals) { normals.find(m_hasFaces[0], m_hasFaces[1]); });
+		m_count = 0;
+		forAll([&](const ContactFace& face, double sign) { normalsOf(m_count++).measure(face, sign); });
+		forNormals([](ContactNormals& normals) { normals.settle(); });
+		m_count = 0;
+		forAll([&](ContactFace& face, double sign) { enter(face, sign); });
 		const int patches = m_work.grouper.group(*m_work.kernel, s, m_count, 0, m_most);
 		findFirstPatches(count);
 		return patches;
 	}
 
 private:
-	void add(const ContactFace& face, double sign)
+	template <class Function> void forAll(const Function& function)
 	{
-		m_work.faceParts.add(face);
+		for (size_t i = 0; i < m_work.ofB.count; ++i) function(m_work.ofB.faces[i], 1.0);
+		for (size_t i = 0; i < m_work.ofA.count; ++i) function(m_work.ofA.faces[i], -1.0);
+	}
+
+	ContactNormals& normalsOf(int face) { return m_work.normalsOf(m_work.stream.a[face]); }
+
+	void enter(ContactFace& face, double sign)
+	{
+		const ContactNormals& normals = normalsOf(m_count);
+		const Vec3 normal = normals.at(face, sign);
+		face.pressure = normals.pressure(face, sign, normal);
 		const PairStream& s = m_work.stream;
 		const double size = norm(face.pressure);
 		const bool directed = size > kNoDirection * face.depth;
+		// Faces that look back belong to the same patch.
+		const Vec3 force = normals.exist() ? size * normal : sign * face.pressure;
 		for (int i = 0; i < 3; ++i)
 		{
-			columnOf(s, PairStream::Force + i)[m_count] = float(m_onFoundation ? -size * m_along[i] : sign * face.pressure[i]);
+			columnOf(s, PairStream::Force + i)[m_count] = float(force[i]);
 			columnOf(s, PairStream::Centroid + i)[m_count] = float(face.center[i]);
 		}
 		columnOf(s, PairStream::Size)[m_count] = directed ? float(size) : 0;
@@ -368,9 +394,8 @@ private:
 	}
 
 	SurfaceWorkspace::Implementation& m_work;
-	int m_most;           // patches
-	bool m_onFoundation;  // faces of A that look back belong to the same patch
-	Vec3 m_along;         // gradient of the depth on a foundation
+	bool m_hasFaces[2];  // of A, of B
+	int m_most;          // patches
 	int m_count = 0;
 };
 }  // namespace
@@ -392,8 +417,6 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	const bool onFoundation = isFoundation(B, work.ofA, work.ofB);
 	for (size_t i = 0; i < work.ofA.count; ++i)
 	{
-		// What is across the normal adds up to nothing, but for the errors of A's elements.
-		if (ContactFace& face = work.ofA.faces[i]; onFoundation) face.pressure = dot(face.pressure, face.gradient) * face.gradient;
 		toFrame(X_AB, work.ofA.faces[i]);
 		work.ofA.faces[i].error = errorOf(A.surface, B.field, work.ofA.faces[i]);
 	}
@@ -402,8 +425,7 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 		for (size_t i = 0; i < work.ofB.count; ++i) function(work.ofB.faces[i], i, 1.0);
 		for (size_t i = 0; i < work.ofA.count; ++i) function(work.ofA.faces[i], work.ofB.count + i, -1.0);
 	};
-	const Vec3 foundation = onFoundation ? work.ofA.faces[0].gradient : Vec3();
-	const int patches = FaceGrouping(work, mostPatches, onFoundation).group();
+	const int patches = FaceGrouping(work, A, B, mostPatches).group();
 	const float* patchOf = work.grouper.patch();
 	for (size_t p = 0; p < size_t(patches); ++p)
 	{
@@ -423,7 +445,11 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	}
 	forAll([&](const ContactFace& face, size_t index, double sign) {
 		const size_t p = size_t(patchOf[index]);
-		addFace(work.patches[p], face, sign, onFoundation ? &foundation : nullptr, damping);
+		const ContactNormals& normals = work.normalsOf(work.faceParts.of(index));
+		addFace(work.patches[p], face, sign, normals, damping);
+		if (normals.areOfA()) work.patches[p].slidingVolumeA += normals.share() * face.area;
+		if (normals.areOfB()) work.patches[p].slidingVolumeB += normals.share() * face.area;
+		work.places[p].area += face.area;
 		work.patches[p].forceVariance += forceVariance(sign > 0 ? A.field : B.field, face, partOf(index).form.area());
 		if (!onFoundation) work.places[p].add(face, sign, damping);
 		else if (sign < 0) work.places[p].addColumn(face, damping);
@@ -475,7 +501,9 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 		patch.pressedB *= withinB;
 		const double share = part.depth > 0 ? work.places[p].depth / part.depth : 1;
 		patch.volume = patch.surfaceVolume = share * part.volume;
-		patch.foundationVolume = onFoundation ? patch.volume : 0;
+		const double perArea = work.places[p].area > 0 ? patch.volume / work.places[p].area : 0;
+		patch.slidingVolumeA *= perArea;
+		patch.slidingVolumeB *= perArea;
 		patch.volumeVariance = share * part.variance;
 		patch.depthA = share * part.depths.ofA();
 		patch.depthB = share * part.depths.ofB();
