@@ -28,7 +28,7 @@ using namespace ist;
 
 namespace
 {
-constexpr double kRing = 0.5, kTube = 0.2, kGravity = 9.81;
+constexpr double kRing = 0.5, kTube = 0.2;
 
 struct Options
 {

@@ -142,7 +142,7 @@ int main(int argc, char** argv)
 			measure(bodies[a], bodies[b], pose, options.spheres > 0, sums[pose.overlap]);
 		for (const auto& [overlap, s] : sums)
 		{
-			const auto percent = [&](double squares) { return 100 * std::sqrt(squares / s.poses); };
+			const auto percent = [poses = s.poses](double squares) { return 100 * std::sqrt(squares / poses); };
 			std::printf("%-12s %6g %% | %7.2f %7.2f %8.1f %8.0f %8.0f | %7.2f %7.2f %8.1f %8.0f\n", (a + " " + b).c_str(), 100 * overlap,
 				percent(s.volume), percent(s.force), s.time / s.poses, s.faces / s.poses, s.nodes / s.poses, percent(s.oldVolume),
 				percent(s.oldForce), s.oldTime / s.poses, s.pairs / s.poses);

@@ -68,7 +68,8 @@ TEST(MeshHoles, NoiseIsRefusedBeforeItIsRebuilt)
 	// What has been done when the rebuilding would begin. It reports more, and is cancelled.
 	for (const auto& [mesh, before] : {std::pair{loose, 0.45}, {joinedUp, 0.7}})
 	{
-		const Result<RepairedMesh> repaired = repair(mesh, RepairMode::Auto, [&](const char*, double done) { return done <= before; });
+		const Result<RepairedMesh> repaired = repair(
+			mesh, RepairMode::Auto, [limit = before](const char*, double done) { return done <= limit; });
 		ASSERT_FALSE(repaired);
 		EXPECT_FALSE(repaired.error().cancelled);
 	}
