@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletHapticForce/Law/btContactLaw.h"
 
+#include "BulletISTCollision/Core/Base/PlaneAxes.h"
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -122,12 +124,11 @@ struct RollingAxes
 		ist::Vec3 t1, t2;
 		ist::completeFrame(n, t1, t2);
 		const Eigen::Vector3d u = toEigen(t1), v = toEigen(t2);
-		const double uu = u.dot(K * u), vv = v.dot(K * v), uv = u.dot(K * v);
-		const double mean = 0.5 * (uu + vv), half = std::hypot(0.5 * (uu - vv), uv), angle = 0.5 * std::atan2(uv, 0.5 * (uu - vv));
-		axis[0] = std::cos(angle) * u + std::sin(angle) * v;
-		axis[1] = -std::sin(angle) * u + std::cos(angle) * v;
-		stiffness[0] = mean + half;
-		stiffness[1] = mean - half;
+		const ist::PlaneAxes axes(u.dot(K * u), v.dot(K * v), u.dot(K * v));
+		axis[0] = std::cos(axes.angle) * u + std::sin(axes.angle) * v;
+		axis[1] = -std::sin(axes.angle) * u + std::cos(axes.angle) * v;
+		stiffness[0] = axes.larger;
+		stiffness[1] = axes.smaller;
 	}
 	/// Scale of rotations that lowers both stiffnesses by `moment` [N m], to zero at least.
 	Matrix3 without(double moment) const

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Faces/ContactNormals.h"
 
+#include "BulletISTCollision/Core/Base/PlaneAxes.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -25,36 +27,24 @@ constexpr double kLeastCosine = 0.5;
 constexpr double kUpright = 1e-6;
 /// Share of the force that projected pressures may miss: up to the first the normals are taken whole, from the second on not at all.
 constexpr double kLittleMissed = 0.02, kMuchMissed = 0.03;
-
 }  // namespace
 
 void ContactNormals::Sum::add(const Vec3& normal, double weight)
 {
-	const Vec3 weighted = weight * normal;
-	vector += weighted;
+	vector += weight * normal;
 	area += weight;
-	second[0] += weighted.x * normal.x;
-	second[1] += weighted.y * normal.y;
-	second[2] += weighted.z * normal.z;
-	second[3] += weighted.x * normal.y;
-	second[4] += weighted.x * normal.z;
-	second[5] += weighted.y * normal.z;
+	second += SymmetricMatrix3::square(normal) * weight;
 }
 
 double ContactNormals::Sum::spread() const { return area > 0 ? 1 - norm(vector) / area : 1; }
 
 /// Mean of (n . a)(n . b).
-double ContactNormals::Sum::across(const Vec3& a, const Vec3& b) const
-{
-	const double* m = second;
-	const Vec3 mb{m[0] * b.x + m[3] * b.y + m[4] * b.z, m[3] * b.x + m[1] * b.y + m[5] * b.z, m[4] * b.x + m[5] * b.y + m[2] * b.z};
-	return dot(a, mb) / area;
-}
+double ContactNormals::Sum::across(const Vec3& a, const Vec3& b) const { return dot(a, second * b) / area; }
 
 void ContactNormals::add(const ContactFace& face, double sign)
 {
 	const int body = sign > 0;
-	const bool isCurved = !ist::isFlat(face);
+	const bool isCurved = !isFlat(face);
 	m_sums[body].add(sign * (isCurved ? face.areaNormal / face.area : normalized(face.areaNormal)), face.area);
 	m_sums[body].ownArea += face.area;
 	m_sums[body].isCurved |= isCurved;
@@ -69,16 +59,15 @@ double ContactNormals::findDirections(double& larger)
 	Vec3 u, v;
 	completeFrame(m_mean, u, v);
 	const Sum &a = m_sums[0], &b = m_sums[1];
-	const double ofA = a.across(u, u) + a.across(v, v), ofB = b.across(u, u) + b.across(v, v);
-	// Principal axes of the difference: along each of them one of the two is smoother.
-	const double uu = a.across(u, u) - b.across(u, u), vv = a.across(v, v) - b.across(v, v), uv = a.across(u, v) - b.across(u, v);
-	const double angle = 0.5 * std::atan2(2 * uv, uu - vv), mean = 0.5 * (uu + vv), half = std::hypot(0.5 * (uu - vv), uv);
-	m_directions[0] = std::cos(angle) * u + std::sin(angle) * v;
-	m_directions[1] = std::cos(angle) * v - std::sin(angle) * u;
-	m_smootherAcross[0] = mean + half > 0;
-	m_smootherAcross[1] = mean - half > 0;
-	larger = std::max(ofA, ofB);
-	return 0.5 * (ofA + ofB - std::fabs(mean + half) - std::fabs(mean - half));
+	const double uuA = a.across(u, u), vvA = a.across(v, v), uuB = b.across(u, u), vvB = b.across(v, v);
+	// Along each of the axes of the difference one of the two is smoother.
+	const PlaneAxes axes(uuA - uuB, vvA - vvB, a.across(u, v) - b.across(u, v));
+	m_directions[0] = std::cos(axes.angle) * u + std::sin(axes.angle) * v;
+	m_directions[1] = std::cos(axes.angle) * v - std::sin(axes.angle) * u;
+	m_smootherAcross[0] = axes.larger > 0;
+	m_smootherAcross[1] = axes.smaller > 0;
+	larger = std::max(uuA + vvA, uuB + vvB);
+	return 0.5 * (uuA + vvA + uuB + vvB - std::fabs(axes.larger) - std::fabs(axes.smaller));
 }
 
 void ContactNormals::find(bool hasFacesA, bool hasFacesB)
@@ -99,8 +88,8 @@ void ContactNormals::find(bool hasFacesA, bool hasFacesB)
 	const int smoother = flatA ? 0 : flatB ? 1 : spread[1] < spread[0];
 	if (!(spread[smoother] < kRound)) return;
 	m_mean = normalized(m_sums[smoother].vector);
-	m_isFlat = flatA || flatB;
-	if (!m_isFlat)
+	m_areFlat = flatA || flatB;
+	if (!m_areFlat)
 	{
 		double rougher = 0;
 		const double across = findDirections(rougher);
@@ -112,7 +101,7 @@ void ContactNormals::find(bool hasFacesA, bool hasFacesB)
 Vec3 ContactNormals::at(const ContactFace& face, double sign) const
 {
 	if (!exist()) return {};
-	if (m_isFlat) return m_mean;
+	if (m_areFlat) return m_mean;
 	const int own = sign > 0;
 	const Vec3 ownNormal = sign * normalized(face.areaNormal), otherNormal = sign * normalized(face.gradient);
 	Vec3 normal = m_mean;

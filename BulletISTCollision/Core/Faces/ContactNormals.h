@@ -34,7 +34,7 @@ public:
 	bool areOfA() const { return m_smoother == 0; }
 	bool areOfB() const { return m_smoother == 1; }
 	/// Whether the smoother one is a plane.
-	bool isFlat() const { return exist() && m_isFlat; }
+	bool areFlat() const { return exist() && m_areFlat; }
 	/// How far the normals are taken, 0 to 1.
 	double share() const { return m_share; }
 	/// Unit vector from B to A at a face; zero where they do not exist.
@@ -49,7 +49,8 @@ private:
 	struct Sum
 	{
 		Vec3 vector;
-		double area = 0, ownArea = 0, gradients = 0, second[6] = {};  // gradients: of the lengths
+		double area = 0, ownArea = 0, gradients = 0;  // gradients: of the lengths
+		SymmetricMatrix3 second;
 		bool isCurved = false;
 
 		void add(const Vec3& normal, double weight);
@@ -64,7 +65,7 @@ private:
 	Sum m_sums[2];  // of A, of B
 	Vec3 m_mean, m_directions[2];
 	int m_smoother = -1, m_smootherAcross[2] = {};
-	bool m_isFlat = false, m_hasEdges = false;
+	bool m_areFlat = false, m_hasEdges = false;
 	double m_share = 0;
 	double m_before[2] = {}, m_after[2] = {};  // along the mean: sums of the pressures of A, of B
 };

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Core/Force/ContactPoints.h"
 
+#include "BulletISTCollision/Core/Base/PlaneAxes.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -13,12 +15,12 @@ void setExtent(ContactPoint& point, const ContactFace& face)
 {
 	Vec3 u, v;
 	completeFrame(normalized(face.areaNormal), u, v);
-	const double uu = dot(u, face.second * u), vv = dot(v, face.second * v), uv = dot(u, face.second * v);
-	const double mean = 0.5 * (uu + vv), half = std::hypot(0.5 * (uu - vv), uv), angle = 0.5 * std::atan2(uv, 0.5 * (uu - vv));
+	const PlaneAxes axes(dot(u, face.second * u), dot(v, face.second * v), dot(u, face.second * v));
+	const double c = std::cos(axes.angle), s = std::sin(axes.angle);
 	// A rectangle has the variance side^2 / 3.
 	const auto side = [&](double moment) { return std::sqrt(3 * std::max(moment, 0.0) / face.area); };
-	point.sides[0] = side(mean + half) * (std::cos(angle) * u + std::sin(angle) * v);
-	point.sides[1] = side(mean - half) * (std::cos(angle) * v - std::sin(angle) * u);
+	point.sides[0] = side(axes.larger) * (c * u + s * v);
+	point.sides[1] = side(axes.smaller) * (c * v - s * u);
 }
 
 /// `sign`: 1 for a face of B, which presses A along its normal, and -1 for one of A. `stiffness`: with the weight of the other body.

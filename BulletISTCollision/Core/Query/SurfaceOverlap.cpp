@@ -97,8 +97,8 @@ void addFace(OverlapIntegrals& sums, const ContactFace& face, double sign, const
 	addSymmetric(stiffness, G, H, 1);
 	// Along a curved face the normal turns, and takes back what the way from the center adds: a screw slides along its thread. Where the
 	// face presses along the normals of the other body, these do not turn.
-	const bool isOfSmoother = sign > 0 ? normals.areOfB() : normals.areOfA();
-	const bool isPlane = isFlat(face) || normals.isFlat() || (normals.exist() && !isOfSmoother);
+	const bool areOfOther = sign > 0 ? normals.areOfA() : normals.areOfB();
+	const bool isPlane = isFlat(face) || normals.areFlat() || areOfOther;
 	if (isPlane) addSpin(stiffness, face.second, n, g, 1 / face.area);
 	// The body whose depth presses moves along its own normals, which the depth's gradient has all along the columns below the face.
 	const double weight = weightedColumns(face, sign, weights);
@@ -321,6 +321,7 @@ public:
 			for (size_t part = 0; part < std::min(size_t(count), m_work.normals.size() - 1); ++part) function(m_work.normals[part]);
 		};
 		forNormals([](ContactNormals& normals) { normals.clear(); });
+		m_work.normals.back().clear();
 		const PairStream& s = m_work.stream;
 		m_count = 0;
 		// A pair of the grouper is a face, and both of its balls are the part of the face.

@@ -63,7 +63,7 @@ TEST(ContactNormals, AreThoseOfThePlaneUnderAnEdge)
 	const ContactNormals normals = normalsOf(faces);
 	ASSERT_TRUE(normals.exist());
 	EXPECT_TRUE(normals.areOfA());
-	EXPECT_TRUE(normals.isFlat());
+	EXPECT_TRUE(normals.areFlat());
 	EXPECT_EQ(normals.share(), 1);
 	Vec3 before, after;
 	for (const auto& [face, sign] : faces)
@@ -92,7 +92,7 @@ TEST(ContactNormals, OfABallInAPipeTurnWithThePipe)
 		const ContactNormals normals = normalsOf(faces);
 		ASSERT_TRUE(normals.exist());
 		EXPECT_EQ(normals.areOfA(), pipeIsA);
-		EXPECT_FALSE(normals.isFlat());
+		EXPECT_FALSE(normals.areFlat());
 		for (const auto& [face, sign] : faces)
 		{
 			const Vec3 ofSmoother = normalized(sign * ((sign > 0) == pipeIsA ? face.gradient : face.areaNormal));
@@ -108,10 +108,11 @@ TEST(ContactNormals, OfABallOnAKinkTurnWithTheBallAcrossIt)
 	const double ball = 1;
 	const auto ofPipe = [](double x, double) { return normalized(Vec3{x > 0 ? -0.15 : 0.15, 1, 0}); };
 	const auto ofBall = [&](double x, double z) { return normalized(Vec3{-x / ball, 1, -z / ball}); };
-	for (const auto& [face, sign] : touching(ofPipe, ofBall))
+	const std::vector<SignedFace> faces = touching(ofPipe, ofBall);
+	const ContactNormals normals = normalsOf(faces);
+	ASSERT_TRUE(normals.exist());
+	for (const auto& [face, sign] : faces)
 	{
-		const ContactNormals normals = normalsOf(touching(ofPipe, ofBall));
-		ASSERT_TRUE(normals.exist());
 		const Vec3 n = normals.at(face, sign), b = sign * (sign > 0 ? normalized(face.areaNormal) : face.gradient);
 		EXPECT_NEAR(n.z, 0, 0.01);
 		EXPECT_NEAR(n.x / n.y, b.x / b.y, 0.01);
