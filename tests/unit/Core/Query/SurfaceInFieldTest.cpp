@@ -149,10 +149,12 @@ TEST(SurfaceInField, ACornerThatHardlyReachesInHasItsVolume)
 			EXPECT_LT(norm(onPlane.total.normalB.force - volume * up), 0.02 * volume) << depth;
 			EXPECT_LT(norm(onPlane.total.areaVector - area * up), 0.02 * area) << depth;
 
+			// Places are single precision and lie within a metre: the depth is off by up to one unit in their last place, 6e-8 m.
+			const double depthError = 0x1p-24 / depth;
 			const Pose X_WA{R, Vec3{place(random), 0.05 - depth, place(random)} - R * corner};
 			const OverlapResult onSlab = queryOverlap(brick(), slab, inverse(X_WA), workspace);
-			EXPECT_NEAR(onSlab.total.volume, volume, 0.02 * volume) << depth;
-			EXPECT_LT(norm(onSlab.total.areaVector - area * up), 0.02 * area) << depth;
+			EXPECT_NEAR(onSlab.total.volume, volume, (0.01 + 3 * depthError) * volume) << depth;
+			EXPECT_LT(norm(onSlab.total.areaVector - area * up), (0.01 + 2 * depthError) * area) << depth;
 		}
 }
 
