@@ -281,6 +281,7 @@ double carryLoad(btISTContact& contact, const btContactLoad& load, double h)
 		constants.rule = btISTStiffnessRule::Pressed;
 	};
 	const double former = contact.grown;
+	if (!(former > 0)) raiseTo(constants.k * load.motor / constants.load);
 	// Bodies that begin inside one another may use the energy of a soft contact only.
 	const bool isNew = !contact.tank.open && !(contact.ahead > 0);
 	// Held bodies press as much as k says: for them any depth is the aimed one.

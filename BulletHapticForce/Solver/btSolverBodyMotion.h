@@ -7,6 +7,8 @@
 #include "BulletDynamics/ConstraintSolver/btSolverBody.h"
 #include "BulletDynamics/Dynamics/btRigidBody.h"
 
+#include <algorithm>
+
 /// Motion of the bodies in Bullet's solver pool, in double, for rows and islands. This header is not installed.
 namespace btSolverBodyMotion
 {
@@ -24,6 +26,14 @@ inline bool canTurn(const btRigidBody& body)
 inline bool canMove(const btSolverBody& body)
 {
 	return body.m_originalBody && (!body.internalGetInvMass().isZero() || canTurn(*body.m_originalBody));
+}
+
+/// Mass of a body; zero for one that can only rotate, because it rests on nothing.
+inline double massOf(const btSolverBody& body)
+{
+	const ist::Vec3 w = toVec3(body.internalGetInvMass());
+	const double largest = std::max({w.x, w.y, w.z});
+	return largest > 0 ? 1 / largest : 0;
 }
 
 inline btVolumetricRowBody rowBody(const btSolverBody& body)

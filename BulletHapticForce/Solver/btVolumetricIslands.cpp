@@ -193,17 +193,6 @@ void btVolumetricIslands::findIslands(const btSolverBody* bodies, const std::vec
 	takeJoints(bodies);
 }
 
-namespace
-{
-/// Mass of a body; zero for one that can only rotate, because it rests on nothing.
-double massOf(const btSolverBody& body)
-{
-	const ist::Vec3 w = toVec3(body.internalGetInvMass());
-	const double largest = std::max({w.x, w.y, w.z});
-	return largest > 0 ? 1 / largest : 0;
-}
-}  // namespace
-
 void btVolumetricIslands::weigh(const btSolverBody* bodies)
 {
 	for (int body = 0; body < int(m_parent.size()); ++body)
@@ -231,6 +220,7 @@ ist::Twist btVolumetricIslands::freeTwist(const Entry& e, const btSolverBody* bo
 void btVolumetricIslands::carryLoads(const btSolverBody* bodies)
 {
 	weigh(bodies);
+	findMotors(bodies);
 	for (const Island& island : m_islands)
 		forEachContact(island, [&](size_t first, int count) {
 			const Entry& e = m_entries[first];
@@ -238,6 +228,7 @@ void btVolumetricIslands::carryLoads(const btSolverBody* bodies)
 			btContactLoad load;
 			load.weight = island.weight + island.weightlessMass * contact.constants.gravity;
 			load.mass = std::numeric_limits<double>::infinity();
+			load.motor = std::max(m_motors[size_t(e.bodyA)], m_motors[size_t(e.bodyB)]);
 			for (const int body : {e.bodyA, e.bodyB})
 				if (const double mass = massOf(bodies[body]); mass > 0) load.mass = std::min(load.mass, mass);
 			const auto last = m_entries.begin() + std::ptrdiff_t(first) + count;

@@ -126,6 +126,7 @@ private:
 	double sumJoints(Block& block, const btSolverBody* bodies) const;
 	void findIslands(const btSolverBody* bodies, const std::vector<int>& touched);
 	void weigh(const btSolverBody* bodies);
+	void findMotors(const btSolverBody* bodies);
 	static ist::Twist freeTwist(const Entry& e, const btSolverBody* bodies);
 	void carryLoads(const btSolverBody* bodies);
 	void waitForTouch(const btSolverBody* bodies);
@@ -174,6 +175,7 @@ private:
 	std::vector<Size> m_sizes;  // of the island of each root, while joints join islands
 	std::vector<Island> m_islands;
 	std::vector<int> m_parent, m_islandOfRoot, m_indexInBlock;
+	std::vector<double> m_motors;                   // largest force of a motor at each body [N]
 	Block m_passing;                                // islands that no other row moves
 	std::vector<std::unique_ptr<Block>> m_lasting;  // islands that are solved in every iteration
 	size_t m_lastingCount = 0;

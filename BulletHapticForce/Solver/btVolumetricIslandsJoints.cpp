@@ -58,6 +58,26 @@ int btVolumetricIslands::movableBody(const Joint& joint, const btSolverBody* bod
 	return canMove(bodies[joint.bodyA]) ? joint.bodyA : joint.bodyB;
 }
 
+/// Finds with what force the motor at a body can press. Only rows of motors have a limited impulse both ways.
+void btVolumetricIslands::findMotors(const btSolverBody* bodies)
+{
+	constexpr double kUnlimited = 1e18;
+	m_motors.assign(m_parent.size(), 0.0);
+	for (const Joint& joint : m_joints)
+		for (int i = 0; i < joint.count && joint.finite; ++i)
+		{
+			const btSolverConstraint& row = joint.rows[i];
+			const double impulse = std::max(-double(row.m_lowerLimit), double(row.m_upperLimit)), inertia = double(row.m_jacDiagABInv);
+			if (!(impulse < kUnlimited)) continue;
+			forEachSide(row, bodies, [&](int side, int body) {
+				// What turns presses at the radius of gyration.
+				const bool turns = squaredNorm(pushOf(row, side).force) == 0;
+				const double arm = turns ? std::sqrt(inertia / massOf(bodies[body])) : 1, force = impulse / (m_step * arm);
+				if (std::isfinite(force)) m_motors[size_t(body)] = std::max(m_motors[size_t(body)], force);
+			});
+		}
+}
+
 /// Joins the islands that a joint connects, where the sum is not too large.
 void btVolumetricIslands::joinByJoints(const btSolverBody* bodies)
 {

@@ -37,6 +37,12 @@ void btVolumetricLinks::clear()
 	m_loaded.clear();
 }
 
+void btVolumetricLinks::setJoints(btMultiBodyConstraint* const* joints, int count)
+{
+	m_joints = joints;
+	m_jointCount = count;
+}
+
 btVolumetricLinks::PlacedSide btVolumetricLinks::place(const Side& side, const ist::Vec3& point, btMultiBodyJacobianData& data)
 {
 	PlacedSide placed;
@@ -140,6 +146,27 @@ ist::SymmetricMatrix6 btVolumetricLinks::responseOf(const Entry& e, const btSolv
 	return result;
 }
 
+/// Largest force along the normal of `e` with which a motor of its links can press [N].
+double btVolumetricLinks::motorForce(const Entry& e) const
+{
+	double largest = 0;
+	for (int i = 0; i < m_jointCount; ++i)
+	{
+		btMultiBodyConstraint& joint = *m_joints[i];
+		if (joint.getConstraintType() != MULTIBODY_CONSTRAINT_1DOF_JOINT_MOTOR) continue;
+		for (const PlacedSide& s : e.side)
+		{
+			if (!s.multiBody || joint.getMultiBodyA() != s.multiBody) continue;
+			const int dof = 6 + s.multiBody->getLink(joint.getLinkA()).m_dofOffset;
+			ist::Vec3 moved;  // velocity of the patch's point by a unit of the joint's
+			for (int row = 0; row < 3; ++row) moved[row] = m_jacobians[s.jacobian + size_t(row * s.dofs + dof)];
+			const double along = std::fabs(dot(moved, e.patch.normal)) / squaredNorm(moved);
+			if (std::isfinite(along)) largest = std::max(largest, double(joint.getMaxAppliedImpulse()) / m_step * along);
+		}
+	}
+	return largest;
+}
+
 /// Motion of both sides of `e`, with the impulses of all rows so far.
 const btVolumetricLinks::Motion& btVolumetricLinks::state(const Entry& e, const btSolverBody* bodies, const btMultiBodyJacobianData& data)
 {
@@ -226,6 +253,7 @@ void btVolumetricLinks::add(btISTContact& contact, const Side& a, const Side& b,
 	for (size_t i = first; i < m_entries.size(); ++i)
 	{
 		const Entry& e = m_entries[i];
+		load.motor = std::max(load.motor, motorForce(e));
 		load.addApproach(contact, e.patchIndex, -dot(relative(e, bodies, state(e, bodies, data)).linear, e.patch.normal));
 	}
 	const double factor = carryLoad(contact, load, h);

@@ -41,6 +41,8 @@ public:
 
 	void clear();
 	bool isEmpty() const { return m_entries.empty(); }
+	/// Tells the joints of this step, among them the motors that may press. Call it before the first `add`.
+	void setJoints(btMultiBodyConstraint* const* joints, int count);
 	/// Adds all patches of a contact. `h` is the step [s]. Contacts and patches that exert no force are counted in `statistics`.
 	void add(btISTContact& contact, const Side& a, const Side& b, const btContactFriction& friction, double h, const btSolverBody* bodies,
 		btMultiBodyJacobianData& data, btVolumetricStatistics& statistics);
@@ -88,6 +90,7 @@ private:
 	/// Change of a degree of freedom's velocity by an impulse at the patch, force first.
 	double responseOf(const PlacedSide& side, int dof, const double* impulse) const;
 	void addResponse(const Entry& e, const ist::Wrench& impulse, const btSolverBody* bodies, Motion& motion) const;
+	double motorForce(const Entry& e) const;
 	static void leaveOutRolling(Entry& e, const ist::Vec3& spin, double h);
 	ist::Twist relative(const Entry& e, const btSolverBody* bodies, const Motion& motion) const;
 	ist::SymmetricMatrix6 responseOf(const Entry& e, const btSolverBody* bodies);
@@ -99,6 +102,8 @@ private:
 	void writeFeedback(const Entry& e) const;
 
 	double m_step = 0;
+	btMultiBodyConstraint* const* m_joints = nullptr;
+	int m_jointCount = 0;
 	std::vector<Entry> m_entries;
 	std::vector<Loaded> m_loaded;
 	std::vector<double> m_jacobians;

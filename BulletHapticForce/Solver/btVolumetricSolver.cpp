@@ -185,6 +185,7 @@ void btVolumetricSolver<Base>::convertContacts(btPersistentManifold** manifolds,
 	m_ours.clear();
 	m_others.clear();
 	m_statisticsBefore = statistics();
+	if constexpr (kHasLinks) m_links.setJoints(this->m_tmpMultiBodyConstraints, this->m_tmpNumMultiBodyConstraints);
 	for (int i = 0; i < count; ++i)
 	{
 		btISTContact* contact = volumetricContact(manifolds[i]);

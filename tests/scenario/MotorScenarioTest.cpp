@@ -84,13 +84,52 @@ TEST(Motors, SliderPressesWithItsForceAtTenIterations)
 			for (const double speed : {0.05, 0.5})
 				for (const double hz : {60.0, 240.0})
 				{
-					// 200 N push the finger through what the default stiffness makes of it.
-					if (k == 0 && force > 100) continue;
 					SliderFinger scene(k, hz, force, speed);
 					scene.run(1, hz);
 					EXPECT_NEAR(scene.force(), force, 0.02 * force) << "k " << k << ", " << speed << " m/s, " << hz << " Hz";
 					EXPECT_LT(std::fabs(scene.speed()), 0.02 * speed);
 				}
+}
+
+// A finger that a motor closes on a ball stops there, although nothing has pressed before.
+TEST(Motors, AreKnownBeforeTheyPress)
+{
+	static const Solid ball(ist::makeSphereMesh(0.03, 4), 500);
+	constexpr double kSpeed = 0.05, kPivot = 0.06;
+	for (const bool turns : {false, true})
+		for (const double hz : {60.0, 240.0})
+			for (const double force : {10.0, 40.0, 200.0})
+			{
+				MotorScene scene;
+				scene.world.setGravity(btVector3(0, 0, 0));
+				scene.add(scene.volumetricShape(ball), 0, 0, at({2, 1, -3}));
+				btRigidBody* finger = scene.add(scene.volumetricShape(fingerSolid()), kFinger, 5e-5, at({2.045, 1, -3}));
+				if (turns)
+				{
+					auto* hinge = scene.join<btHingeConstraint>(*finger, btVector3(0, btScalar(-kPivot), 0), btVector3(0, 0, 1));
+					hinge->enableAngularMotor(true, btScalar(kSpeed / kPivot), btScalar(force * kPivot / hz));
+				}
+				else
+				{
+					auto* slider = scene.join<btSliderConstraint>(*finger, btTransform::getIdentity(), true);
+					slider->setLowerLinLimit(-10);
+					slider->setUpperLinLimit(10);
+					slider->setPoweredLinMotor(true);
+					slider->setTargetLinMotorVelocity(btScalar(-kSpeed));
+					slider->setMaxLinMotorForce(btScalar(force));
+				}
+				double deepest = 0;
+				for (int i = 0; i < int(hz); ++i)
+				{
+					scene.step(1 / hz);
+					// The hinge leans the pad by the way, and its middle stays where it presses.
+					deepest = std::max(deepest, 2.04 - double(finger->getWorldTransform().getOrigin().x()));
+				}
+				EXPECT_NEAR(scene.forceOn(finger, hz).x, force, 0.03 * force) << turns << ' ' << hz << " Hz";
+				EXPECT_LT(deepest, 1e-3) << turns << ' ' << hz << " Hz, " << force << " N";
+				EXPECT_LT(2.04 - double(finger->getWorldTransform().getOrigin().x()), 2e-4)
+					<< turns << ' ' << hz << " Hz, " << force << " N";
+			}
 }
 
 namespace

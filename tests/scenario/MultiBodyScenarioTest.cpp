@@ -90,6 +90,7 @@ struct LinkScene
 		world.addMultiBody(m);
 		return m;
 	}
+	/// `k` 0: nothing is set.
 	btMultiBodyLinkCollider* addCollider(btMultiBody* m, int link, btCollisionShape* s, double k)
 	{
 		colliders.push_back(std::make_unique<btMultiBodyLinkCollider>(m, link));
@@ -102,7 +103,10 @@ struct LinkScene
 		m->forwardKinematics(rotations, origins);
 		m->updateCollisionObjectWorldTransforms(rotations, origins);
 		world.addCollisionObject(c, 1, -1);
-		EXPECT_FALSE(materials->set(c, {k, -1}));
+		if (k > 0)
+		{
+			EXPECT_FALSE(materials->set(c, {k, -1}));
+		}
 		return c;
 	}
 	void run(double seconds, double rate)
@@ -249,6 +253,37 @@ TEST(MultiBody, MotorPressesWithItsForce)
 				EXPECT_NEAR(double(m->getJointVel(0)), 0.05, 1e-3) << rate << " Hz, k " << k;
 				scene.world.removeMultiBodyConstraint(&motor);
 			}
+}
+
+// A link that a motor closes on a ball stops there, although nothing has pressed before.
+TEST(MultiBody, MotorIsKnownBeforeItPresses)
+{
+	static const Solid finger(ist::makeBoxMesh({0.01, 0.02, 0.03}), 500), ball(ist::makeSphereMesh(0.03, 4), 500);
+	for (const double rate : {60.0, 240.0})
+		for (const double force : {10.0, 40.0, 200.0})
+		{
+			LinkScene scene;
+			scene.world.setGravity(btVector3(0, 0, 0));
+			scene.addRigid(scene.volumetricShape(ball), 0, 0, at({2, 1, -3}));
+			btMultiBody* m = scene.addMultiBody(1, 0, 0, {2.045, 1, -3}, [](btMultiBody& body) {
+				const btVector3 inertia(btScalar(1e-4), btScalar(1e-4), btScalar(1e-4)), none(0, 0, 0);
+				body.setupPrismatic(0, btScalar(0.1), inertia, -1, btQuaternion(0, 0, 0, 1), btVector3(1, 0, 0), none, none, true);
+			});
+			btMultiBodyLinkCollider* link = scene.addCollider(m, 0, scene.volumetricShape(finger), 0);
+			btMultiBodyJointMotor motor(m, 0, btScalar(-0.05), btScalar(force / rate));
+			scene.world.addMultiBodyConstraint(&motor);
+			motor.finalizeMultiDof();
+			double deepest = 0;
+			for (int i = 0; i < int(rate); ++i)
+			{
+				scene.run(1.01 / rate, rate);
+				deepest = std::max(deepest, -0.005 - double(m->getJointPos(0)));
+			}
+			EXPECT_NEAR(rate * scene.impulseOn(link).x, force, 0.02 * force) << rate;
+			EXPECT_LT(deepest, 1e-3) << rate << " Hz, " << force << " N";
+			EXPECT_LT(-0.005 - double(m->getJointPos(0)), 2e-4) << rate << " Hz, " << force << " N";
+			scene.world.removeMultiBodyConstraint(&motor);
+		}
 }
 
 namespace
