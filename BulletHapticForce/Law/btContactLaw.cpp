@@ -281,11 +281,11 @@ double carryLoad(btISTContact& contact, const btContactLoad& load, double h)
 		constants.rule = btISTStiffnessRule::Pressed;
 	};
 	const double former = contact.grown;
-	if (!(former > 0)) raiseTo(constants.k * load.motor / constants.load);
 	// Bodies that begin inside one another may use the energy of a soft contact only.
 	const bool isNew = !contact.tank.open && !(contact.ahead > 0);
 	// Held bodies press as much as k says: for them any depth is the aimed one.
 	double depth = ist::meanDepth(contact.total);
+	if (!(former > 0)) raiseTo(load.motor / (area * std::max(depth, constants.depth)));
 	if (former > 0 && isClamped(contact, h)) depth = std::min(depth, constants.depth);
 	raiseTo(stiffnessUnder({norm(contact.pressed), area, depth, constants.depth}, constants.k, former, h));
 	if (!isNew) raiseTo(stiffnessOfStop(contact, load, area, h));

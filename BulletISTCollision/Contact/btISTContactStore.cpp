@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Zlib
 #include "BulletISTCollision/Contact/btISTContactStore.h"
 
+#include "BulletISTCollision/Core/Faces/ContactFaces.h"
 #include "BulletISTCollision/Core/Force/PressureField.h"
 #include "BulletISTCollision/Core/Tuning/StableTimeStep.h"
 
@@ -61,7 +62,11 @@ double gravityOf(const btCollisionObject* object, double otherwise)
 /// Whether the sums are those of leaves: a body has no surface, a coarser level answered, or B is round and in closed form.
 bool pressesByLeaves(const btISTContact& contact) { return !(contact.total.surfaceVolume > 0); }
 
-double typicalError(const ist::InnerSphereTree* tree) { return tree ? double(tree->surface.tables.typicalError) : 0; }
+/// Error of a depth on a body's surface, that of single precision included [m].
+double depthError(const ist::InnerSphereTree* tree)
+{
+	return tree ? std::hypot(double(tree->surface.tables.typicalError), ist::depthRounding(tree->surface)) : 0;
+}
 
 /// Length that depths are shares of [m]. `size` [m] is that of the smaller body.
 double depthScale(const btISTContact& contact, double size) { return std::min(size, kSizePerThickness * contact.thickness()); }
@@ -73,7 +78,7 @@ double aimedDepth(const btISTContact& contact, double size)
 				 most = std::min(kMostDepthPerSize * size, kMostDepthPerThickness * contact.thickness());
 	if (!pressesByLeaves(contact))
 	{
-		const double error = std::hypot(typicalError(contact.treeA.get()), typicalError(contact.treeB.get()));
+		const double error = std::hypot(depthError(contact.treeA.get()), depthError(contact.treeB.get()));
 		return std::min(std::max(depth, kDepthPerError * error), most);
 	}
 	const double gap = contact.treeA->errorLength() + (contact.treeB ? contact.treeB->errorLength() : 0);

@@ -180,6 +180,30 @@ TEST(DefaultContact, ABallRollsOnFlatGroundWithoutResistance)
 	}
 }
 
+// A cylinder and a pipe roll down a slope of 10 degrees by g sin / (1 + I / m r^2), on a floor with a tree as on a plane.
+TEST(DefaultContact, ACylinderAndAPipeRollDownASlope)
+{
+	constexpr double kRadius = .05, kSlope = 10 * std::numbers::pi / 180, kTime = 1;
+	const Solid ground(ist::makeBoxMesh({3, .1, .5}), 500);
+	for (const ist::Mesh& mesh : {ist::makeCylinderMesh(kRadius, .05, 512), boredMesh(.045, {kRadius, false}, .05, 512)})
+	{
+		const Solid roller(mesh, 1000);
+		const double inertia = roller.tree->inertia.m[2][2] / roller.tree->volume,
+					 exact = kGravity * std::sin(kSlope) / (1 + inertia / (kRadius * kRadius));
+		for (const double rate : {240., 1000.})
+		{
+			Scene scene;
+			scene.world.setGravity(btVector3(btScalar(kGravity * std::sin(kSlope)), btScalar(-kGravity * std::cos(kSlope)), 0));
+			scene.add(scene.volumetricShape(ground), 0, 0, at({0, -.1, 0}))->setFriction(btScalar(.7));
+			btRigidBody* body = scene.add(scene.volumetricShape(roller), 1, inertia, at({-2, kRadius, 0}));
+			body->setFriction(btScalar(.7));
+			scene.run(kTime, rate);
+			EXPECT_NEAR(double(body->getLinearVelocity().x()), exact * kTime, .015 * exact * kTime) << rate << ' ' << roller.tree->volume;
+			EXPECT_NEAR(height(body), kRadius, 1e-4);
+		}
+	}
+}
+
 // A first touch is announced with no more than its own depth, and nothing is held before it.
 TEST(DefaultContact, WhatDoesNotTouchIsNotHeld)
 {

@@ -19,7 +19,7 @@ namespace
 /// A polygon is halved while the depth bends by more than this share of its largest value.
 constexpr float kMostBend = 0.25f;
 /// Rounding of depths per length of the domain; as far as this two surfaces are flush whatever their errors.
-constexpr float kRounding = 1e-6f;
+constexpr double kRounding = 5e-7;
 /// Elements are cut at the planes if their radius is larger than this many median radii of the cells, or than this share of the body's
 /// depth: four samples would miss a thin body.
 constexpr float kLargestDepths = 0.5f;
@@ -47,7 +47,7 @@ public:
 		  m_cells(pressed.field.cells.data()),
 		  m_domain(pressed.field.domain),
 		  m_X(X_FS),
-		  m_rounding(kRounding * float(pressed.field.domain.longestSide())),
+		  m_rounding(float(depthRounding(pressed))),
 		  m_list(list)
 	{}
 
@@ -570,6 +570,8 @@ kernels::FieldTables fieldTablesOf(const BodySurface& body)
 	}
 	return field;
 }
+
+double depthRounding(const BodySurface& body) { return kRounding * body.field.domain.longestSide(); }
 
 void collectFaces(const BodySurface& pressing, const BodySurface& pressed, const Pose& X_FS, const QueryKernel& kernel, FaceList& list)
 {

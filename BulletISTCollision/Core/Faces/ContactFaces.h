@@ -81,6 +81,9 @@ struct QueryKernel;
 
 kernels::FieldTables fieldTablesOf(const BodySurface& body);
 
+/// How much depths in the body may be off by single precision: it grows with the body's size [m].
+double depthRounding(const BodySurface& body);
+
 /// Appends the faces of `pressing` inside `pressed`, in the frame of the latter. X_FS: pose of the former's frame in the latter's. All
 /// kernels find the same faces in the same order.
 ///

@@ -65,10 +65,17 @@ float FaceParts::cellSize()
 void FaceParts::enter(uint32_t face, float perSize)
 {
 	const Extent& e = m_extents[face];
-	const auto cell = [&](float x) { return int32_t(std::floor(x * perSize)); };
-	for (int32_t x = cell(e.x - e.alongX); x <= cell(e.x + e.alongX); ++x)
-		for (int32_t y = cell(e.y - e.alongY); y <= cell(e.y + e.alongY); ++y)
-			for (int32_t z = cell(e.z - e.alongZ); z <= cell(e.z + e.alongZ); ++z) enterCell(face, x, y, z);
+	// std::floor is a call where the compiler may not use SSE4.
+	const auto cell = [&](float at) {
+		const float place = at * perSize;
+		const int32_t towardsZero = int32_t(place);
+		return towardsZero - (float(towardsZero) > place);
+	};
+	const int32_t lower[3] = {cell(e.x - e.alongX), cell(e.y - e.alongY), cell(e.z - e.alongZ)},
+				  upper[3] = {cell(e.x + e.alongX), cell(e.y + e.alongY), cell(e.z + e.alongZ)};
+	for (int32_t x = lower[0]; x <= upper[0]; ++x)
+		for (int32_t y = lower[1]; y <= upper[1]; ++y)
+			for (int32_t z = lower[2]; z <= upper[2]; ++z) enterCell(face, x, y, z);
 }
 
 void FaceParts::enterCell(uint32_t face, int32_t x, int32_t y, int32_t z)

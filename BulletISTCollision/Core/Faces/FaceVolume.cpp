@@ -12,6 +12,8 @@ namespace
 {
 /// A direction is never taken as better than the worst by more than this factor of the error.
 constexpr double kLeastVariance = 1e-6;
+/// An axis is sure of its volume but for this many deviations.
+constexpr double kSure = 4;
 constexpr double kExact = 1e-6;  // error of a surface, as a share of the size of the faces together, that is only rounding
 
 /// The axes of the coordinates where there are none.
@@ -48,25 +50,38 @@ void FaceVolume::fit()
 	setPrincipalAxes(m_normals, m_axes + 3);
 }
 
-void FaceVolume::addCut(const ContactFace& face)
+void FaceVolume::add(const ContactFace& face)
 {
-	if (face.cut == 0) return;
 	const bool isInexact = face.error > kExact * std::sqrt(m_area);
 	const Vec3 from = face.center - m_origin;
 	for (int k = 0; k < kAxes; ++k)
 	{
-		const double height = dot(from, m_axes[k]) * dot(face.areaNormal, m_axes[k]) * face.cut / face.area;
-		m_variance[k] += height * height;
-		if (isInexact) m_inexact[k] += height * height;
+		const double flux = dot(from, m_axes[k]) * dot(face.areaNormal, m_axes[k]);
+		const double own = dot(m_axes[k], face.spread * m_axes[k]);
+		m_volumes[k] += flux + own;
+		m_mostVolumes[k] += std::fabs(flux) + std::fabs(own);
+		if (face.cut == 0) continue;
+		const double gap = flux * face.cut / face.area;
+		m_variance[k] += gap * gap;
+		if (isInexact) m_inexact[k] += gap * gap;
 	}
 }
 
 void FaceVolume::finish()
 {
+	double least = 0;  // volume that an axis is sure of
+	for (int k = 0; k < kAxes; ++k) least = std::max(least, m_volumes[k] - kSure * std::sqrt(m_variance[k]));
+	for (int k = 0; k < kAxes; ++k)
+	{
+		const double missing = std::max(least - m_mostVolumes[k], 0.0);
+		m_variance[k] += missing * missing;
+		m_inexact[k] += missing * missing;
+	}
 	const double largest = *std::max_element(std::begin(m_variance), std::end(m_variance));
 	double sum = 0;
 	for (int k = 0; k < kAxes; ++k) sum += m_weights[k] = largest > 0 ? 1 / (m_variance[k] + kLeastVariance * largest) : 1;
 	for (double& weight : m_weights) weight /= sum;
+	for (int k = 0; k < kAxes; ++k) m_volume += m_weights[k] * m_volumes[k];
 }
 
 double FaceVolume::combined(const double (&variance)[kAxes]) const
@@ -74,14 +89,5 @@ double FaceVolume::combined(const double (&variance)[kAxes]) const
 	double sum = 0;
 	for (int k = 0; k < kAxes; ++k) sum += m_weights[k] * m_weights[k] * variance[k];
 	return sum;
-}
-
-double FaceVolume::of(const ContactFace& face) const
-{
-	const Vec3 from = face.center - m_origin;
-	double volume = 0;
-	for (int k = 0; k < kAxes; ++k)
-		volume += m_weights[k] * (dot(from, m_axes[k]) * dot(face.areaNormal, m_axes[k]) + dot(m_axes[k], face.spread * m_axes[k]));
-	return volume;
 }
 }  // namespace ist

@@ -11,16 +11,20 @@ namespace ist
 /// the direction across it does not; where faces lie along a cylinder, its axis does not. This class takes the rim's middle, its principal
 /// axes, and those of the normals there, and weights the axes by the inverse of their error.
 ///
-/// Call `addArea` for all faces, then `fit`, then `addCut` for all faces, then `finish`; then `of(face)` is a face's share of the volume.
+/// A sliver of a face that ends at a curved rim may be missing as a whole, as that of the ends of a cylinder that lies on a plane. Then the
+/// axis across it says that there is no volume, and knows of no gap. So an axis along which all faces together cannot enclose what another
+/// axis is sure of errs by as much as they lack.
+///
+/// Call `addArea` for all faces, then `fit`, then `add` for all faces, then `finish`.
 class FaceVolume
 {
 public:
 	void addArea(const ContactFace& face);
 	void fit();
-	void addCut(const ContactFace& face);
+	void add(const ContactFace& face);
 	void finish();
-	/// Share of the face in the volume [m^3]; of either sign.
-	double of(const ContactFace& face) const;
+	/// [m^3]; of either sign.
+	double volume() const { return m_volume; }
 	/// Estimated variance of the volume, from the pieces that were cut at the other body's curved surface [m^6].
 	double variance() const { return combined(m_variance); }
 	/// The part of it that is of surfaces that are not exact: plane faces are cut exactly by planes.
@@ -35,7 +39,8 @@ private:
 
 	double combined(const double (&variance)[kAxes]) const;
 
-	double m_area = 0, m_variance[kAxes] = {}, m_inexact[kAxes] = {};
+	double m_area = 0, m_volume = 0, m_variance[kAxes] = {}, m_inexact[kAxes] = {};
+	double m_volumes[kAxes] = {}, m_mostVolumes[kAxes] = {};  // along each axis: what its faces enclose, and could at most
 	Vec3 m_centroid, m_origin;
 	double m_cuts = 0;           // sum of cut^2
 	Vec3 m_rim;                  // sum of cut^2 x

@@ -197,6 +197,8 @@ SurfaceAnswer querySurfaces(const BodySurface& A, const BodySurface& B, const Po
 	result.facesB = found.ofB;
 	result.faceCountA = found.countA;
 	result.faceCountB = found.countB;
+	result.leanOnA = found.leanOnA;
+	result.leanOnB = found.leanOnB;
 	std::copy_n(found.patches, size_t(found.patchCount), work.patches.begin());
 	const auto clear = [](OverlapIntegrals& sums) { sums.stiffnessA = sums.stiffnessB = {}; };
 	if (options.stiffness) return SurfaceAnswer::Good;

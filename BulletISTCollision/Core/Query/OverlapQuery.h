@@ -218,6 +218,9 @@ struct OverlapResult
 	/// axes and relative to A's origin. ContactPoints.h makes forces of them.
 	const ContactFace *facesA = nullptr, *facesB = nullptr;
 	size_t faceCountA = 0, faceCountB = 0;
+	/// Where a body is flat where the other meets it, as a floor is, its depth is exact, and has this share of the weight of the other's in
+	/// all of the sums. At most one of the two is 1.
+	double leanOnA = 0, leanOnB = 0;
 	const BallTree *ballsA = nullptr, *ballsB = nullptr;  ///< trees to which the indices of the pairs refer
 	int level = 0;                                        ///< level that answered; the error bar (PressureField.h) grows with it
 	double levelShare = 1;  ///< share of `level` in the answer; `otherLevel` has the rest (`QueryOptions::blend`, `otherShare`)

@@ -5,6 +5,7 @@
 #include "BulletISTCollision/Core/Faces/DepthIntegral.h"
 #include "BulletISTCollision/Core/Faces/FaceParts.h"
 #include "BulletISTCollision/Core/Faces/FaceVolume.h"
+#include "BulletISTCollision/Core/Faces/Foundation.h"
 #include "BulletISTCollision/Core/Query/QueryWorkspaceState.h"
 
 #include <algorithm>
@@ -26,8 +27,6 @@ constexpr double kGapsErrAlike = 9;
 constexpr double kMostOfColumns = 4;
 /// Share of a pressure below which it has no direction, and the rank of such a face (PairStream::Rank).
 constexpr double kNoDirection = 0.1, kLeastRank = 0.001;
-/// Cosine above which a normal is that of a flat body's side.
-constexpr double kAlongNormal = 0.999;
 /// An error of a cell below this share of its radius is that of rounding: the depth is that of a plane.
 constexpr double kRounding = 1e-7;
 
@@ -118,13 +117,12 @@ struct PressedPlaces
 	double depth = 0, damped = 0, area = 0, second[6] = {};
 	Vec3 first;
 
-	void add(const ContactFace& face, double sign, const DampingWeights& weights)
+	void add(const ContactFace& face, double share)
 	{
-		damped += weightedColumns(face, sign, weights);
-		depth += face.depth;
-		first += face.depth * face.pressureCenter;
-		addSquare(second, face.pressureCenter, face.depth);
-		addOwn(face, face.depth / face.area);
+		depth += share * face.depth;
+		first += share * face.depth * face.pressureCenter;
+		addSquare(second, face.pressureCenter, share * face.depth);
+		addOwn(face, share * face.depth / face.area);
 	}
 	void addOwn(const ContactFace& face, double weight)
 	{
@@ -132,11 +130,10 @@ struct PressedPlaces
 		const double own[6] = {s.xx, s.yy, s.zz, s.xy, s.xz, s.yz};
 		for (int i = 0; i < 6; ++i) second[i] += weight * own[i];
 	}
-	/// A face of A on a foundation counts with the middle of its column, so that the sums are those of the volume.
-	void addColumn(const ContactFace& face, const DampingWeights& weights)
+	/// A face on a foundation counts with the middle of its column, so that the sums are those of the volume.
+	void addColumn(const ContactFace& face, double share)
 	{
-		damped += weightedColumns(face, -1, weights);
-		const double column = columnVolume(face), mean = face.depth / face.area;
+		const double column = share * columnVolume(face), mean = face.depth / face.area;
 		const double length = std::clamp(mean + dot(face.gradient, face.pressureCenter - face.center), mean, 2 * mean);
 		const Vec3 middle = face.pressureCenter - 0.5 * length * face.gradient;
 		depth += column;
@@ -164,9 +161,11 @@ struct OverlapPart
 	FaceVolume form;
 	double volume = 0, depth = 0;
 	double columnsOfA = 0, columnsOfB = 0;  ///< volumes of the columns on faces of A and of B
+	double placed = 0;                      ///< sum of the depths of places
 	double flush = 0;                       ///< area of faces that lie in the other surface: columns do not know their volume
 	double variance = 0;                    ///< of the volume
 	Vec3 normalA, normalB;                  ///< integrals of the normals [m^3]
+	double withinA = 1, withinB = 1;        ///< shares of them that count
 	DepthIntegral depths;
 	bool hasCones = false;
 
@@ -181,11 +180,12 @@ struct OverlapPart
 		volume = std::max({volume + share * (columns() - volume), kLeastOfColumns * columns(), 0.0});
 		variance = (1 - share) * (1 - share) * form.variance() + share * share * off * off;
 	}
-	/// On a foundation the columns on A's faces are the volume.
-	void takeColumnsOfA()
+	/// On a foundation the columns on the other body's faces are the volume.
+	void takeColumns(double share, double columnsOfOther)
 	{
-		volume = std::max(columnsOfA, 0.0);
-		variance = form.variance();
+		if (share == 0) return;
+		volume += share * (std::max(columnsOfOther, 0.0) - volume);
+		variance += share * (form.variance() - variance);
 	}
 	/// Share of an integral of normals that is no larger than the volume, as no integral of unit normals can be. Where a contact is
 	/// shallower than the errors of a depth field, its volume is more exact.
@@ -282,22 +282,32 @@ FaceCounts sumOf(const FaceCounts& a, const FaceCounts& b)
 		a.halvings + b.halvings};
 }
 
-/// Whether a body in closed form presses along one normal: the depth is exact and linear in all of the overlap. Then columns are exact. All
-/// faces of A lie below one side, and faces of B on it.
-bool isFoundation(const BodySurface& B, const FaceList& ofA, const FaceList& ofB)
+/// What one field presses.
+struct FieldSums
 {
-	if (ofA.count == 0) return false;
-	const Vec3 g = ofA.faces[0].gradient;
-	const auto isLinear = [&](const ContactFace& face) {
-		const DepthCell& cell = B.field.cells[face.cell];
-		return face.gradient == g && cell.error == 0 &&
-			std::all_of(std::begin(cell.hessian), std::end(cell.hessian), [](float h) { return h == 0; });
-	};
-	for (size_t i = 0; i < ofA.count; ++i)
-		if (!isLinear(ofA.faces[i])) return false;
-	for (size_t i = 0; i < ofB.count; ++i)
-		if (dot(toVec3(B.surface.elements[ofB.faces[i].element].normal), g) > -kAlongNormal) return false;
-	return true;
+	Wrench& normal;
+	double &pressed, &depth;
+	SymmetricMatrix6& stiffness;
+};
+
+FieldSums sumsOfA(OverlapIntegrals& sums) { return {sums.normalA, sums.pressedA, sums.depthA, sums.stiffnessA}; }
+FieldSums sumsOfB(OverlapIntegrals& sums) { return {sums.normalB, sums.pressedB, sums.depthB, sums.stiffnessB}; }
+
+/// Moves what the other field presses towards what the foundation does.
+void lean(double share, const FieldSums& foundation, const FieldSums& other)
+{
+	if (share == 0) return;
+	other.normal = (1 - share) * other.normal - share * foundation.normal;
+	other.pressed += share * (foundation.pressed - other.pressed);
+	other.depth += share * (foundation.depth - other.depth);
+	for (int i = 0; i < 21; ++i) other.stiffness.m[i] += share * (foundation.stiffness.m[i] - other.stiffness.m[i]);
+}
+
+/// The foundation takes its share of the other's weight.
+void lean(double share, double& foundation, double& other)
+{
+	foundation += share * other;
+	other *= 1 - share;
 }
 
 /// Groups the faces of both bodies into parts that hang together, and these into patches.
@@ -415,12 +425,18 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	result.isOverLimit = work.ofA.isOverLimit() || work.ofB.isOverLimit();
 	if (result.isOverLimit) return result;
 	for (size_t i = 0; i < work.ofB.count; ++i) work.ofB.faces[i].error = errorOf(B.surface, A.field, work.ofB.faces[i]);
-	const bool onFoundation = isFoundation(B, work.ofA, work.ofB);
 	for (size_t i = 0; i < work.ofA.count; ++i)
 	{
 		toFrame(X_AB, work.ofA.faces[i]);
 		work.ofA.faces[i].error = errorOf(A.surface, B.field, work.ofA.faces[i]);
 	}
+	const Foundation onB(B, A, work.ofA, work.ofB);
+	Foundation onA(A, B, work.ofB, work.ofA);
+	onA.leaveOut(onB);
+	const double loose = 1 - onA.volume - onB.volume;
+	DampingWeights weights = damping;
+	lean(onB.pressure, weights.B, weights.A);
+	lean(onA.pressure, weights.A, weights.B);
 
 	const auto forAll = [&](const auto& function) {
 		for (size_t i = 0; i < work.ofB.count; ++i) function(work.ofB.faces[i], i, 1.0);
@@ -438,27 +454,29 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	const auto partOf = [&](size_t index) -> OverlapPart& { return work.parts[work.partOf[size_t(patchOf[index])]]; };
 	forAll([&](const ContactFace& face, size_t index, double) { partOf(index).form.addArea(face); });
 	for (size_t p = 0; p < size_t(patches); ++p) work.parts[p].form.fit();
-	forAll([&](const ContactFace& face, size_t index, double) { partOf(index).form.addCut(face); });
+	forAll([&](const ContactFace& face, size_t index, double) { partOf(index).form.add(face); });
 	for (size_t p = 0; p < size_t(patches); ++p)
 	{
 		work.parts[p].form.finish();
+		work.parts[p].volume = work.parts[p].form.volume();
 		work.parts[p].depths.begin();
 	}
 	forAll([&](const ContactFace& face, size_t index, double sign) {
 		const size_t p = size_t(patchOf[index]);
 		const ContactNormals& normals = work.normalsOf(work.faceParts.of(index));
-		addFace(work.patches[p], face, sign, normals, damping);
+		addFace(work.patches[p], face, sign, normals, weights);
 		if (normals.areOfA()) work.patches[p].slidingVolumeA += normals.share() * face.area;
 		if (normals.areOfB()) work.patches[p].slidingVolumeB += normals.share() * face.area;
 		work.places[p].area += face.area;
 		work.patches[p].forceVariance += forceVariance(sign > 0 ? A.field : B.field, face, partOf(index).form.area());
-		if (!onFoundation) work.places[p].add(face, sign, damping);
-		else if (sign < 0) work.places[p].addColumn(face, damping);
+		work.places[p].damped += weightedColumns(face, sign, weights);
+		const double founded = sign < 0 ? onB.volume : onA.volume;
+		if (loose > 0) work.places[p].add(face, loose);
+		if (founded > 0) work.places[p].addColumn(face, founded);
 		OverlapPart& part = partOf(index);
-		part.volume += part.form.of(face);
 		(sign < 0 ? part.columnsOfA : part.columnsOfB) += columnVolume(face);
 		if (face.cut > face.area) part.flush += face.area;
-		part.depth += !onFoundation ? face.depth : sign < 0 ? columnVolume(face) : 0;
+		part.depth += face.depth;
 		part.depths.addColumn(face, sign > 0);
 	});
 	const auto forParts = [&](const auto& function) {
@@ -467,8 +485,9 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	};
 	work.cones.clear(X_BA);
 	forParts([&](OverlapPart& part, uint32_t number) {
-		if (onFoundation) part.takeColumnsOfA();
-		else part.joinColumns();
+		part.joinColumns();
+		part.takeColumns(onB.volume, part.columnsOfA);
+		part.takeColumns(onA.volume, part.columnsOfB);
 		part.hasCones = part.depths.needsCones(part.volume);
 		if (part.hasCones) part.depths.beginCones(part.form.centroid(), part.form.area(), number, work.cones);
 	});
@@ -490,17 +509,25 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 		OverlapPart& part = work.parts[work.partOf[p]];
 		part.normalA += work.patches[p].normalA.force;
 		part.normalB += work.patches[p].normalB.force;
+		part.placed += work.places[p].depth;
 	}
+	forParts([](OverlapPart& part, uint32_t) {
+		part.withinA = part.within(part.normalA);
+		part.withinB = part.within(part.normalB);
+	});
+	const auto press = [&](ContactFace& face, size_t index, double sign) {
+		face.pressure *= sign > 0 ? partOf(index).withinA : partOf(index).withinB;
+	};
+	forAll(press);
 	for (size_t p = 0; p < size_t(patches); ++p)
 	{
 		const OverlapPart& part = work.parts[work.partOf[p]];
 		OverlapIntegrals& patch = work.patches[p];
-		const double withinA = part.within(part.normalA), withinB = part.within(part.normalB);
-		patch.normalA = withinA * patch.normalA;
-		patch.normalB = withinB * patch.normalB;
-		patch.pressedA *= withinA;
-		patch.pressedB *= withinB;
-		const double share = part.depth > 0 ? work.places[p].depth / part.depth : 1;
+		patch.normalA = part.withinA * patch.normalA;
+		patch.normalB = part.withinB * patch.normalB;
+		patch.pressedA *= part.withinA;
+		patch.pressedB *= part.withinB;
+		const double share = part.placed > 0 ? work.places[p].depth / part.placed : 1;
 		patch.volume = patch.surfaceVolume = share * part.volume;
 		const double perArea = work.places[p].area > 0 ? patch.volume / work.places[p].area : 0;
 		patch.slidingVolumeA *= perArea;
@@ -509,6 +536,8 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 		patch.depthA = share * part.depths.ofA();
 		patch.depthB = share * part.depths.ofB();
 		work.places[p].addTo(patch);
+		lean(onB.pressure, sumsOfB(patch), sumsOfA(patch));
+		lean(onA.pressure, sumsOfA(patch), sumsOfB(patch));
 		result.total.add(patch);
 	}
 	result.total.dampingWeights = damping;
@@ -518,6 +547,8 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	result.ofB = work.ofB.faces.data();
 	result.countA = work.ofA.count;
 	result.countB = work.ofB.count;
+	result.leanOnA = onA.pressure;
+	result.leanOnB = onB.pressure;
 	result.dropped = work.ofA.dropped + work.ofB.dropped;
 	return result;
 }

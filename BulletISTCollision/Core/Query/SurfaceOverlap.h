@@ -39,8 +39,9 @@ struct SurfaceOverlap
 	int patchCount = 0;
 	const ContactFace *ofA = nullptr, *ofB = nullptr;  ///< faces of A inside B, and of B inside A
 	size_t countA = 0, countB = 0;
-	size_t dropped = 0;        ///< faces that did not fit into the workspace and are missing from the sums
-	bool isOverLimit = false;  ///< there are more faces than `mostFaces`: there are no sums
+	double leanOnA = 0, leanOnB = 0;  ///< OverlapResult::leanOnA
+	size_t dropped = 0;               ///< faces that did not fit into the workspace and are missing from the sums
+	bool isOverLimit = false;         ///< there are more faces than `mostFaces`: there are no sums
 	FaceCounts counts;
 };
 

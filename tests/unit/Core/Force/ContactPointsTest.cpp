@@ -90,6 +90,27 @@ TEST(ContactPoints, AddUpToForceAndTorque)
 	}
 }
 
+// On a flat body, the pressure of the other's faces is exact, and has some of the weight of that body's own.
+TEST(ContactPoints, OfABodyThatLiesOnAnotherAddUpToForceAndTorque)
+{
+	const InnerSphereTree slab = treeOf(makeBoxMesh({1, 1, 0.2})), ball = treeOf(makeSphereMesh(0.1, 5));
+	QueryWorkspace workspace;
+	double most = 0;
+	for (const double depth : {1e-4, 1e-3, 1e-2})
+		for (const bool first : {true, false})
+		{
+			const PressurePair pair{1e6, 0.3, 0.7};
+			const Pose X{Mat3{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, {0.1, 0.05, 0.3 - depth}};
+			const OverlapResult answer = first ? queryOverlap(ball, slab, inverse(X), workspace) : queryOverlap(slab, ball, X, workspace);
+			const Sum sum = sumOf(pointsOf(answer, pair));
+			const Wrench wrench = pressureWrench(answer.total, pair);
+			EXPECT_LT(norm(sum.force - wrench.force), 1e-5 * sum.sizes) << depth << ' ' << first;
+			EXPECT_LT(norm(sum.torque - wrench.torque), 1e-5 * sum.sizes) << depth << ' ' << first;
+			most = std::max(most, first ? answer.leanOnB : answer.leanOnA);
+		}
+	EXPECT_GT(most, 0.5);
+}
+
 TEST(ContactPoints, OfAFlatContactHaveItsPressureAndArea)
 {
 	const InnerSphereTree table = treeOf(makeBoxMesh({1, 1, 0.2}));

@@ -49,6 +49,39 @@ TEST_F(SurfaceOverlapTest, FlatContactIsExactAtEveryDepth)
 		}
 }
 
+// The ends of a cylinder that lies on a plane are inside of it with a sliver each, which faces at the rims of the ends may miss.
+TEST_F(SurfaceOverlapTest, ALyingCylinderHasTheForceOfItsSegment)
+{
+	constexpr double kRadius = 0.05, kLength = 0.1;
+	const Mesh pipe = boredMesh(0.045, {kRadius, false}, kLength / 2, 1024);
+	const BodySurface slab = surfaceOf(makeBoxMesh({1, 0.1, 1}), 300),
+					  lying[] = {surfaceOf(makeCylinderMesh(kRadius, kLength / 2, 1024), 1500), surfaceOf(pipe, 1500)};
+	std::mt19937 random(4);
+	std::uniform_real_distribution<double> u(-1, 1);
+	for (const auto& [depth, tolerance] : {std::pair(1e-5, 0.12), std::pair(3e-5, 0.025), std::pair(1e-4, 0.012)})
+	{
+		const double h = kRadius - depth,
+					 segment = kRadius * kRadius * std::acos(h / kRadius) - h * std::sqrt(depth * (2 * kRadius - depth)),
+					 expected = segment * kLength;
+		for (int i = 0; i < 60; ++i)
+			for (const BodySurface& body : lying)
+			{
+				const Pose X{
+					turned(kPi * u(random), {0, 1, 0}) * turned(kPi * u(random), {0, 0, 1}), {0.8 * u(random), 0.1 + h, 0.8 * u(random)}};
+				for (const bool first : {true, false})
+				{
+					const SurfaceOverlap found = first ? overlap(body, slab, inverse(X)) : overlap(slab, body, X);
+					const Wrench wrench = wrenchOf(found.total);
+					const Vec3 force = first ? X.rotation * wrench.force : -1 * wrench.force;
+					EXPECT_LT(norm(force - expected * Vec3{0, 1, 0}), tolerance * expected) << depth << ' ' << first;
+					EXPECT_NEAR(found.total.volume, expected, tolerance * expected) << depth << ' ' << first;
+					if (!first) continue;
+					EXPECT_LT(norm(wrench.torque), 0.004 * expected) << "its resultant goes through its axis and middle, " << depth;
+				}
+			}
+	}
+}
+
 TEST_F(SurfaceOverlapTest, BodiesThatAreApartOrOnlyTouchDoNotPress)
 {
 	const BodySurface table = surfaceOf(makeBoxMesh({0.5, 0.5, 0.2}), 300), box = surfaceOf(makeBoxMesh({0.2, 0.2, 0.1}), 300);
