@@ -17,8 +17,8 @@ constexpr double kFrictionRadiusPerRms = 0.93;
 // Times the sum of a patch's stiffnesses that it may have once what is negative is taken away.
 constexpr double kMostAdded = 2;
 constexpr double kPressedTime = 0.02;  // of the running mean of the normal force [s]
-// Most growth of k in a step by what presses, in e-folds: kGrowth (h / kTick)^2, at most one; kGrowth h / kTick in steps shorter than
-// kTick. A hand does not feel 1 % in its tick, and the long steps of a game need it at once.
+// Most growth of k in a step by what presses, in e-folds: kGrowth (h / kTick)^2.5, at most one; kGrowth h / kTick in steps shorter than
+// kTick. A hand does not feel 1 % in its tick. No hand feels the longer steps of a game, and a body tips in less than 0.1 s.
 constexpr double kGrowth = 0.01, kTick = 1e-3;
 constexpr double kDecay = 20;  // of a k that an impact has raised, e-folds a second
 constexpr double kSpare = 4;   // k may stay so many times stiffer than needed; a k that falls lets a body creep
@@ -35,8 +35,8 @@ double traceOfForces(const ist::SymmetricMatrix6& K) { return K(0, 0) + K(1, 1) 
 
 double mostGrowth(double h)
 {
-	const double ticks = h / kTick;
-	return std::min(kGrowth * ticks * std::max(ticks, 1.0), 1.0);
+	const double ticks = h / kTick, longer = std::max(ticks, 1.0);
+	return std::min(kGrowth * ticks * longer * std::sqrt(longer), 1.0);
 }
 
 /// Area that the pressure acts on [m^2]. Where a body surrounds the other, its area vectors would cancel.

@@ -280,6 +280,30 @@ TEST(DefaultContact, AnOverhangOfTwoFifthsStaysAndOneOfMoreThanHalfTips)
 	}
 }
 
+// A can slides down a slope of 25 degrees, on which friction moves the pressure to four fifths of its radius. It begins without any
+// contact.
+TEST(DefaultContact, ACanSlidesDownASlopeUpright)
+{
+	constexpr double kRadius = .03, kHalfHeight = .06, kFriction = .4, kSlope = 25 * std::numbers::pi / 180;
+	const Solid can(upright(ist::makeCylinderMesh(kRadius, kHalfHeight, 96)), 500), ground(ist::makeBoxMesh({2, .1, 1}), 300);
+	const double inertia = can.tree->inertia.m[0][0] / can.tree->volume;
+	for (const double rate : {60., 240.})
+	{
+		Scene scene;
+		scene.world.setGravity(btVector3(btScalar(kGravity * std::sin(kSlope)), btScalar(-kGravity * std::cos(kSlope)), 0));
+		scene.add(scene.volumetricShape(ground), 0, 0, at({0, -.1, 0}))->setFriction(1);
+		btRigidBody* body = scene.add(scene.volumetricShape(can), .5, .5 * inertia, at({-1, kHalfHeight, 0}));
+		body->setFriction(btScalar(kFriction));
+		scene.run(.5, rate);
+		const double before = double(body->getLinearVelocity().x());
+		EXPECT_LT(tilt(body), .01) << rate;
+		scene.run(.5, rate);
+		const double exact = kGravity * (std::sin(kSlope) - kFriction * std::cos(kSlope));
+		EXPECT_NEAR((double(body->getLinearVelocity().x()) - before) / .5, exact, .01 * exact) << rate;
+		EXPECT_LT(tilt(body), .01) << rate;
+	}
+}
+
 // A ball falls onto a floor from the side, slides on, and meets a wall within the same step. Its free motion passes below the wall.
 TEST(DefaultContact, ABodyThatIsDeflectedPassesNothing)
 {

@@ -42,8 +42,7 @@ Foundation::Foundation(const BodySurface& body, const BodySurface& other, const 
 		const ContactFace& face = onOther.faces[i];
 		const DepthCell& cell = body.field.cells[face.cell];
 		const bool isLinear = squaredNorm(face.gradient - g) < kRounding * kRounding &&
-			std::all_of(
-				std::begin(cell.hessian), std::end(cell.hessian), [&](float h) { return std::fabs(h) * cell.radius < kRounding; });
+			std::all_of(std::begin(cell.hessian), std::end(cell.hessian), [&](float h) { return std::fabs(h) * cell.radius < kRounding; });
 		amiss += face.area * (isLinear ? std::clamp(double(cell.error) / leastError - 1, 0.0, 1.0) : 1);
 		spread += face.area - dot(face.areaNormal, g);
 	}
