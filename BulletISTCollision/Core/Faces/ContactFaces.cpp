@@ -19,7 +19,7 @@ namespace
 /// A polygon is halved while the depth bends by more than this share of its largest value.
 constexpr float kMostBend = 0.25f;
 /// Rounding of depths per length of the domain; as far as this two surfaces are flush whatever their errors.
-constexpr double kRounding = 5e-7;
+constexpr double kRounding = 1e-6;
 /// Elements are cut at the planes if their radius is larger than this many median radii of the cells, or than this share of the body's
 /// depth: four samples would miss a thin body.
 constexpr float kLargestDepths = 0.5f;
