@@ -27,6 +27,17 @@ struct MotorScene : Scene
 		world.bullet().addConstraint(joints.back().get(), true);
 		return static_cast<Joint*>(joints.back().get());
 	}
+	/// Lets a motor push `body` along -x.
+	btSliderConstraint* push(btRigidBody& body, double speed, double force)
+	{
+		auto* slider = join<btSliderConstraint>(body, btTransform::getIdentity(), true);
+		slider->setLowerLinLimit(-10);
+		slider->setUpperLinLimit(10);
+		slider->setPoweredLinMotor(true);
+		slider->setTargetLinMotorVelocity(btScalar(-speed));
+		slider->setMaxLinMotorForce(btScalar(force));
+		return slider;
+	}
 	/// Contact force on `body` in the last step [N].
 	Vec3 forceOn(const btRigidBody* body, double rate) { return rate * impulseOn(world.contacts(), body); }
 };
@@ -63,15 +74,7 @@ struct SliderFinger : Finger
 {
 	btSliderConstraint* slider;
 
-	SliderFinger(double stiffness, double hz, double force, double speed) : Finger(stiffness, hz)
-	{
-		slider = join<btSliderConstraint>(*finger, btTransform::getIdentity(), true);
-		slider->setLowerLinLimit(-10);
-		slider->setUpperLinLimit(10);
-		slider->setPoweredLinMotor(true);
-		slider->setTargetLinMotorVelocity(btScalar(-speed));
-		slider->setMaxLinMotorForce(btScalar(force));
-	}
+	SliderFinger(double stiffness, double hz, double force, double speed) : Finger(stiffness, hz), slider(push(*finger, speed, force)) {}
 	double force() { return forceOn(finger, rate).x; }
 	double speed() const { return double(finger->getLinearVelocity().x()); }
 };
@@ -109,15 +112,7 @@ TEST(Motors, AreKnownBeforeTheyPress)
 					auto* hinge = scene.join<btHingeConstraint>(*finger, btVector3(0, btScalar(-kPivot), 0), btVector3(0, 0, 1));
 					hinge->enableAngularMotor(true, btScalar(kSpeed / kPivot), btScalar(force * kPivot / hz));
 				}
-				else
-				{
-					auto* slider = scene.join<btSliderConstraint>(*finger, btTransform::getIdentity(), true);
-					slider->setLowerLinLimit(-10);
-					slider->setUpperLinLimit(10);
-					slider->setPoweredLinMotor(true);
-					slider->setTargetLinMotorVelocity(btScalar(-kSpeed));
-					slider->setMaxLinMotorForce(btScalar(force));
-				}
+				else scene.push(*finger, kSpeed, force);
 				double deepest = 0;
 				for (int i = 0; i < int(hz); ++i)
 				{

@@ -90,6 +90,14 @@ struct LinkScene
 		world.addMultiBody(m);
 		return m;
 	}
+	/// Adds a multibody of one light link, which slides along x from a fixed base.
+	btMultiBody* addSlidingLink(const Vec3& p)
+	{
+		return addMultiBody(1, 0, 0, p, [](btMultiBody& body) {
+			const btVector3 inertia(btScalar(1e-4), btScalar(1e-4), btScalar(1e-4)), none(0, 0, 0);
+			body.setupPrismatic(0, btScalar(0.1), inertia, -1, btQuaternion(0, 0, 0, 1), btVector3(1, 0, 0), none, none, true);
+		});
+	}
 	/// `k` 0: nothing is set.
 	btMultiBodyLinkCollider* addCollider(btMultiBody* m, int link, btCollisionShape* s, double k)
 	{
@@ -237,10 +245,7 @@ TEST(MultiBody, MotorPressesWithItsForce)
 				LinkScene scene;
 				scene.world.setGravity(btVector3(0, 0, 0));
 				scene.addRigid(scene.volumetricShape(block), 0, 0, at({2, 1, -3}));
-				btMultiBody* m = scene.addMultiBody(1, 0, 0, {2.061, 1, -3}, [](btMultiBody& body) {
-					const btVector3 inertia(btScalar(1e-4), btScalar(1e-4), btScalar(1e-4)), none(0, 0, 0);
-					body.setupPrismatic(0, btScalar(0.1), inertia, -1, btQuaternion(0, 0, 0, 1), btVector3(1, 0, 0), none, none, true);
-				});
+				btMultiBody* m = scene.addSlidingLink({2.061, 1, -3});
 				btMultiBodyLinkCollider* link = scene.addCollider(m, 0, scene.volumetricShape(finger), k);
 				btMultiBodyJointMotor motor(m, 0, btScalar(-0.05), btScalar(force / rate));
 				scene.world.addMultiBodyConstraint(&motor);
@@ -265,10 +270,7 @@ TEST(MultiBody, MotorIsKnownBeforeItPresses)
 			LinkScene scene;
 			scene.world.setGravity(btVector3(0, 0, 0));
 			scene.addRigid(scene.volumetricShape(ball), 0, 0, at({2, 1, -3}));
-			btMultiBody* m = scene.addMultiBody(1, 0, 0, {2.045, 1, -3}, [](btMultiBody& body) {
-				const btVector3 inertia(btScalar(1e-4), btScalar(1e-4), btScalar(1e-4)), none(0, 0, 0);
-				body.setupPrismatic(0, btScalar(0.1), inertia, -1, btQuaternion(0, 0, 0, 1), btVector3(1, 0, 0), none, none, true);
-			});
+			btMultiBody* m = scene.addSlidingLink({2.045, 1, -3});
 			btMultiBodyLinkCollider* link = scene.addCollider(m, 0, scene.volumetricShape(finger), 0);
 			btMultiBodyJointMotor motor(m, 0, btScalar(-0.05), btScalar(force / rate));
 			scene.world.addMultiBodyConstraint(&motor);

@@ -44,6 +44,7 @@ Foundation::Foundation(const BodySurface& body, const BodySurface& other, const 
 		const bool isLinear = squaredNorm(face.gradient - g) < kRounding * kRounding &&
 			std::all_of(std::begin(cell.hessian), std::end(cell.hessian), [&](float h) { return std::fabs(h) * cell.radius < kRounding; });
 		amiss += face.area * (isLinear ? std::clamp(double(cell.error) / leastError - 1, 0.0, 1.0) : 1);
+		if (amiss >= kFewAmiss * area) return;
 		spread += face.area - dot(face.areaNormal, g);
 	}
 	double ownArea = 0, error = 0;  // of the other's depth at those faces, times their area

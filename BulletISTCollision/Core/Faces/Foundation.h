@@ -22,4 +22,13 @@ struct Foundation
 		pressure *= 1 - another.pressure;
 	}
 };
+
+/// Each foundation takes its share of the weight of the other body's field, first that on B. `onA`, `onB`: Foundation::pressure.
+inline void leanWeights(double onA, double onB, double& weightA, double& weightB)
+{
+	weightB += onB * weightA;
+	weightA *= 1 - onB;
+	weightA += onA * weightB;
+	weightB *= 1 - onA;
+}
 }  // namespace ist

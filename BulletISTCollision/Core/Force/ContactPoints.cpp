@@ -2,6 +2,7 @@
 #include "BulletISTCollision/Core/Force/ContactPoints.h"
 
 #include "BulletISTCollision/Core/Base/PlaneAxes.h"
+#include "BulletISTCollision/Core/Faces/Foundation.h"
 
 #include <algorithm>
 #include <cmath>
@@ -46,10 +47,8 @@ size_t contactPointCount(const OverlapResult& answer) { return answer.faceCountA
 size_t contactPoints(const OverlapResult& answer, const PressurePair& pair, ContactPoint* points, size_t capacity)
 {
 	const size_t count = std::min(capacity, contactPointCount(answer));
-	// Each lean moves a share of one field's weight to the other; that on B is first, as in the sums.
-	double weightA = pair.weightA * (1 - answer.leanOnB), weightB = pair.weightB + pair.weightA * answer.leanOnB;
-	weightA += answer.leanOnA * weightB;
-	weightB *= 1 - answer.leanOnA;
+	double weightA = pair.weightA, weightB = pair.weightB;
+	leanWeights(answer.leanOnA, answer.leanOnB, weightA, weightB);
 	for (size_t i = 0; i < count; ++i)
 		points[i] = i < answer.faceCountA ? pointOf(answer.facesA[i], -1, pair.stiffness * weightB)
 										  : pointOf(answer.facesB[i - answer.faceCountA], 1, pair.stiffness * weightA);

@@ -303,13 +303,6 @@ void lean(double share, const FieldSums& foundation, const FieldSums& other)
 	for (int i = 0; i < 21; ++i) other.stiffness.m[i] += share * (foundation.stiffness.m[i] - other.stiffness.m[i]);
 }
 
-/// The foundation takes its share of the other's weight.
-void lean(double share, double& foundation, double& other)
-{
-	foundation += share * other;
-	other *= 1 - share;
-}
-
 /// Groups the faces of both bodies into parts that hang together, and these into patches.
 class FaceGrouping
 {
@@ -435,8 +428,7 @@ SurfaceOverlap surfaceOverlap(const BodySurface& A, const BodySurface& B, const 
 	onA.leaveOut(onB);
 	const double loose = 1 - onA.volume - onB.volume;
 	DampingWeights weights = damping;
-	lean(onB.pressure, weights.B, weights.A);
-	lean(onA.pressure, weights.A, weights.B);
+	leanWeights(onA.pressure, onB.pressure, weights.A, weights.B);
 
 	const auto forAll = [&](const auto& function) {
 		for (size_t i = 0; i < work.ofB.count; ++i) function(work.ofB.faces[i], i, 1.0);
