@@ -20,6 +20,10 @@ public:
 	bool decompose(const double (&matrix)[N][N]) noexcept;
 
 private:
+	/// Entries that are smaller than this share of the largest one count as zero: they are far below the rounding, and their squares would
+	/// underflow.
+	static constexpr double kNegligible = 1e-40;
+
 	static void reflect(double (&a)[N][N], int k, double (&axis)[N]) noexcept;
 	void accumulate(const double (&axes)[N][N]) noexcept;
 	bool solveThreeDiagonals(double (&beside)[N]) noexcept;
@@ -32,7 +36,7 @@ template <int N> void SymmetricEigen<N>::reflect(double (&a)[N][N], int k, doubl
 {
 	double v[N] = {}, product[N] = {}, beyond = 0, along = 0;
 	for (int i = k + 2; i < N; ++i) beyond += a[k][i] * a[k][i];
-	if (beyond > 0)
+	if (beyond > kNegligible * kNegligible)
 	{
 		const double first = a[k][k + 1], length = std::sqrt(first * first + beyond);
 		const double scale = 1 / std::sqrt(length * (length + std::fabs(first)));
@@ -89,9 +93,10 @@ template <int N> void SymmetricEigen<N>::sweep(int first, int last, double (&bes
 	for (int i = last - 1; i >= first; --i)
 	{
 		const double f = s * beside[i], b = c * beside[i], square = f * f + g * g;
-		if (!(square > 0))
+		if (!(square > kNegligible * kNegligible))
 		{
 			beside[i + 1] = 0;
+			beside[i] = b;  // the last turn may have mirrored an axis
 			values[i + 1] -= p;
 			beside[last] = 0;
 			return;
@@ -116,7 +121,9 @@ template <int N> bool SymmetricEigen<N>::solveThreeDiagonals(double (&beside)[N]
 {
 	constexpr int kMostSweeps = 30 * N;
 	constexpr double kRounding = std::numeric_limits<double>::epsilon();
-	const auto isApart = [&](int i) { return std::fabs(beside[i]) <= kRounding * (std::fabs(values[i]) + std::fabs(values[i + 1])); };
+	const auto isApart = [&](int i) {
+		return std::fabs(beside[i]) <= std::max(kRounding * (std::fabs(values[i]) + std::fabs(values[i + 1])), kNegligible);
+	};
 	int sweeps = 0;
 	for (int first = 0; first < N - 1;)
 	{

@@ -118,6 +118,31 @@ TEST(SymmetricEigen, TakesMatricesOfEverySizeAndSparsity)
 	EXPECT_NEAR(*std::max_element(eigen.values, eigen.values + 6), 2 * std::cos(std::acos(-1.0) / 7), 1e-14);
 }
 
+// A contact that turns flat has such matrices: what is oblique fades, and at last it underflows.
+TEST(SymmetricEigen, TakesEntriesThatFadeDownToTheSmallestNumbers)
+{
+	std::mt19937 random(3);
+	std::uniform_real_distribution<double> exponent(-323, 0), sign(-1, 1);
+	for (int i = 0; i < 20'000; ++i)
+	{
+		Matrix<6> a;
+		for (int r = 0; r < 6; ++r)
+			for (int c = r; c < 6; ++c) a[r][c] = a[c][r] = std::copysign(std::pow(10, exponent(random)), sign(random));
+		expectDecomposed<6>(a);
+		if (HasFailure()) return;
+	}
+	std::uniform_real_distribution<double> belowRoots(-170, -155);  // their squares underflow, in part or wholly
+	for (int i = 0; i < 20'000; ++i)
+	{
+		Matrix<6> a = {};
+		for (int r = 0; r < 6; ++r)
+			for (int c = r; c < 6; ++c) a[r][c] = a[c][r] = std::copysign(std::pow(10, belowRoots(random)), sign(random));
+		a[i % 6][i % 6] = 1;
+		expectDecomposed<6>(a);
+		if (HasFailure()) return;
+	}
+}
+
 TEST(SymmetricEigen, RefusesWhatIsNotFinite)
 {
 	for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
