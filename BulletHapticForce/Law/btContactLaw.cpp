@@ -25,11 +25,13 @@ constexpr double kSpare = 4;   // k may stay so many times stiffer than needed; 
 // A contact is clamped if k has grown by this factor while the overlap has changed by less than this share, and twice so: the first time,
 // the bodies may have moved while k grew. k waits so long for an overlap that is slow [s].
 constexpr double kJudgedGrowth = 2, kClampedChange = 0.2, kJudgedTime = 0.1;
-constexpr double kDepthOfStep = 2e-3;   // share of the thinner body that the way of a step may take
-constexpr double kDepthOfImpact = 0.1;  // share of it that stopping a body may take in all
-constexpr double kRolledPerRadius = 2;  // shares of force times height that rolling by one friction radius leaves out of the stiffness
-constexpr double kDampedRolling = 0.5;  // share of that which is left out of the damping; all of it would let an egg tumble on at 60 Hz
-constexpr double kAreaOfImpact = 0.1;   // area on which it stops, at least, as a share of the smaller surface: it grows as it sinks in
+constexpr double kDepthOfStep = 2e-3;    // share of the thinner body that the way of a step may take
+constexpr double kDepthOfImpact = 0.1;   // share of it that stopping a body may take in all
+constexpr double kRolledPerRadius = 2;   // shares of force times height that rolling by one friction radius leaves out of the stiffness
+constexpr double kDampedRolling = 0.5;   // share of that which is left out of the damping; all of it would let an egg tumble on at 60 Hz
+constexpr double kAreaOfImpact = 0.1;    // area on which it stops, at least, as a share of the smaller surface: it grows as it sinks in
+constexpr double kMostExplicit = 1;      // square of the phase in a step up to which steps are explicit in what slides
+constexpr double kFlatStiffness = 1e-9;  // across the normal, as a share of that along it: a patch is flat within single precision
 
 double traceOfForces(const ist::SymmetricMatrix6& K) { return K(0, 0) + K(1, 1) + K(2, 2); }
 
@@ -322,6 +324,31 @@ void leaveOutRolling(btContactPatch& patch, const btISTContact& contact, double 
 	const RollingAxes axes(K, patch.normal);
 	scaleRotations(patch.stiffness, axes.without(moment + beyond));
 	if (contact.constants.freeRolling) scaleRotations(patch.damping, axes.without(kDampedRolling * beyond));
+}
+
+void leaveOutSliding(btContactPatch& patch, const ist::SymmetricMatrix6& response, int patches, double h)
+{
+	ist::SymmetricMatrix6& K = patch.stiffness;
+	const auto along = [&K](const ist::Vec3& a, const ist::Vec3& b) { return dot(a, (K * ist::Twist{b, {}}).force); };
+	ist::Vec3 u, v;
+	ist::completeFrame(patch.normal, u, v);
+	const ist::PlaneAxes axes(along(u, u), along(v, v), along(u, v));
+	const double c = std::cos(axes.angle), s = std::sin(axes.angle), leastCurved = kFlatStiffness * along(patch.normal, patch.normal);
+	for (const ist::Vec3& t : {c * u + s * v, c * v - s * u})
+	{
+		const ist::Wrench held = K * ist::Twist{t, {}};
+		const double stiffness = dot(t, held.force);
+		if (!(stiffness > leastCurved)) continue;
+		const double q[6] = {held.force.x, held.force.y, held.force.z, held.torque.x, held.torque.y, held.torque.z};
+		double yields = 0;
+		for (int i = 0; i < 6; ++i)
+			for (int j = 0; j < 6; ++j) yields += q[i] * response(std::min(i, j), std::max(i, j)) * q[j];
+		const double lambda = h * h * yields / stiffness;
+		if (!(lambda > 0) || !std::isfinite(lambda)) continue;
+		const double share = std::min(1.0, kMostExplicit / (patches * lambda)) / stiffness;
+		for (int i = 0; i < 6; ++i)
+			for (int j = i; j < 6; ++j) K(i, j) -= share * q[i] * q[j];
+	}
 }
 
 double rollingCurvature(const btContactPatch& patch, const ist::Vec3& center, double side)

@@ -71,6 +71,25 @@ inline ist::Twist response(const btVolumetricRowBody& r, const ist::Wrench& impu
 	return {componentProduct(r.inverseMass, impulse.force), r.inverseInertia * (impulse.torque + cross(point - r.center, impulse.force))};
 }
 
+/// Change of the twist of A minus that of B at a point by an impulse on A there and its opposite on B.
+inline ist::SymmetricMatrix6 relativeResponse(const btVolumetricRowBody& A, const btVolumetricRowBody& B, const ist::Vec3& point)
+{
+	ist::SymmetricMatrix6 W;
+	for (int column = 0; column < 6; ++column)
+	{
+		ist::Wrench one;
+		(column < 3 ? one.force : one.torque)[column % 3] = 1;
+		ist::Twist moved;
+		for (const btVolumetricRowBody* body : {&A, &B})
+		{
+			const ist::Twist change = response(*body, one, point);
+			moved = moved + ist::Twist{change.linear + cross(change.angular, point - body->center), change.angular};
+		}
+		for (int row = 0; row <= column; ++row) W(row, column) = row < 3 ? moved.linear[row] : moved.angular[row - 3];
+	}
+	return W;
+}
+
 inline void applyImpulse(btSolverBody& body, const ist::Wrench& impulse, const ist::Vec3& point)
 {
 	if (!canMove(body)) return;

@@ -241,19 +241,38 @@ void btVolumetricIslands::carryLoads(const btSolverBody* bodies)
 }
 
 /// On what is flat, contact moves on with a body that rolls.
-void btVolumetricIslands::leaveOutRolling(const btSolverBody* bodies)
+void btVolumetricIslands::leaveOutRolling(Entry& e, const btSolverBody* bodies) const
 {
+	if (!btIsFlatPatch(e.contact->patches[e.patchIndex])) return;
+	double curvature = 0;
+	for (int side = 0; side < 2; ++side)
+	{
+		const btSolverBody& body = bodies[side == 0 ? e.bodyA : e.bodyB];
+		if (!canMove(body)) continue;
+		curvature += rollingCurvature(e.patch, toVec3(body.getWorldTransform().getOrigin()), side == 0 ? 1 : -1);
+	}
+	::leaveOutRolling(e.patch, *e.contact, curvature, freeTwist(e, bodies).angular, m_step);
+}
+
+/// With nothing set, the step does not brake what slides or rolls in a hollow either. A stiffness that was set keeps what it did.
+void btVolumetricIslands::leaveOutSlidingAndRolling(const btSolverBody* bodies)
+{
+	m_patchesOf.assign(m_parent.size(), 0);
+	for (const Entry& e : m_entries)
+		for (const int body : {e.bodyA, e.bodyB}) m_patchesOf[size_t(body)] += canMove(bodies[body]);
 	for (Entry& e : m_entries)
 	{
-		if (e.kept || !btIsFlatPatch(e.contact->patches[e.patchIndex])) continue;
-		double curvature = 0;
-		for (int side = 0; side < 2; ++side)
+		if (e.kept) continue;
+		if (!(e.contact->constants.load > 0))
 		{
-			const btSolverBody& body = bodies[side == 0 ? e.bodyA : e.bodyB];
-			if (!canMove(body)) continue;
-			curvature += rollingCurvature(e.patch, toVec3(body.getWorldTransform().getOrigin()), side == 0 ? 1 : -1);
+			leaveOutRolling(e, bodies);
+			continue;
 		}
-		::leaveOutRolling(e.patch, *e.contact, curvature, freeTwist(e, bodies).angular, m_step);
+		const int patches = std::max(m_patchesOf[size_t(e.bodyA)], m_patchesOf[size_t(e.bodyB)]);
+		const ist::SymmetricMatrix6 response = relativeResponse(rowBody(bodies[e.bodyA]), rowBody(bodies[e.bodyB]), e.patch.point);
+		leaveOutSliding(e.patch, response, patches, m_step);
+		leaveOutRolling(e, bodies);
+		leaveOutSliding(e.patch, response, patches, m_step);  // without the moment of rolling, more of it is soft
 	}
 }
 
@@ -376,7 +395,7 @@ void btVolumetricIslands::prepare(const btSolverBody* bodies, int bodyCount, con
 	displaceByRounding(bodies);
 	findIslands(bodies, touched);
 	carryLoads(bodies);
-	leaveOutRolling(bodies);
+	leaveOutSlidingAndRolling(bodies);
 	waitForTouch(bodies);
 	openEnergyTanks(bodies);
 	for (const Island& island : m_islands)

@@ -130,7 +130,8 @@ private:
 	static ist::Twist freeTwist(const Entry& e, const btSolverBody* bodies);
 	void carryLoads(const btSolverBody* bodies);
 	void waitForTouch(const btSolverBody* bodies);
-	void leaveOutRolling(const btSolverBody* bodies);
+	void leaveOutRolling(Entry& e, const btSolverBody* bodies) const;
+	void leaveOutSlidingAndRolling(const btSolverBody* bodies);
 	static void centre(Entry& e, const btSolverBody* bodies, double speed);
 	void holdBodies(btSolverBody* bodies);
 	void displaceByRounding(const btSolverBody* bodies);
@@ -175,6 +176,7 @@ private:
 	std::vector<Size> m_sizes;  // of the island of each root, while joints join islands
 	std::vector<Island> m_islands;
 	std::vector<int> m_parent, m_islandOfRoot, m_indexInBlock;
+	std::vector<int> m_patchesOf;                   // number of patches at each body that can move
 	std::vector<double> m_motors;                   // largest force of a motor at each body [N]
 	Block m_passing;                                // islands that no other row moves
 	std::vector<std::unique_ptr<Block>> m_lasting;  // islands that are solved in every iteration

@@ -296,6 +296,71 @@ TEST(ContactLaw, StiffnessGrowsByTimeInShortStepsAndAtOnceInLongOnes)
 	EXPECT_NEAR(growth(1. / 60, 1. / 60), std::numbers::e, 1e-9);
 }
 
+namespace
+{
+/// Stiffness of a patch of 2 x 2 mm around the origin with the normal z, on a surface with the radius R along x, flat along y.
+ist::SymmetricMatrix6 hollow(double R)
+{
+	constexpr int kPoints = 20;
+	ist::SymmetricMatrix6 K;
+	for (int i = 0; i < kPoints; ++i)
+		for (int j = 0; j < kPoints; ++j)
+		{
+			const Vec3 r{1e-3 * ((2 * i + 1.0) / kPoints - 1), 1e-3 * ((2 * j + 1.0) / kPoints - 1), 0},
+				n = ist::normalized({-r.x / R, 0, 1}), m = cross(r, n);
+			const double q[6] = {n.x, n.y, n.z, m.x, m.y, m.z};
+			for (int a = 0; a < 6; ++a)
+				for (int b = a; b < 6; ++b) K(a, b) += 1e5 / (kPoints * kPoints) * q[a] * q[b];
+		}
+	return K;
+}
+
+double energy(const ist::SymmetricMatrix6& K, const ist::Twist& u)
+{
+	const ist::Wrench w = K * u;
+	return dot(u.linear, w.force) + dot(u.angular, w.torque);
+}
+}  // namespace
+
+// What slides along x has the stiffness of a pendulum alone, which is left out; so is what rolls. Motions about the axis of the hollow are
+// free before and after. All others keep their stiffness, and no motion gains any.
+TEST(ContactLaw, WhatSlidesInAHollowIsNotHeldImplicitly)
+{
+	constexpr double kRadius = 0.2, kStep = 1 / 240.0;
+	ist::SymmetricMatrix6 W;  // of a body of 1 kg and 2e-3 kg m^2
+	for (int i = 0; i < 6; ++i) W(i, i) = i < 3 ? 1 : 500;
+	const ist::SymmetricMatrix6 K = hollow(kRadius);
+	btContactPatch patch;
+	patch.normal = {0, 0, 1};
+	patch.stiffness = K;
+	leaveOutSliding(patch, W, 1, kStep);
+	const ist::Twist x{{1, 0, 0}, {}}, z{{0, 0, 1}, {}}, aboutX{{}, {1, 0, 0}}, aboutY{{}, {0, 1, 0}},
+		aboutAxis{{-kRadius, 0, 0}, {0, 1, 0}};
+	ASSERT_GT(energy(K, x), 0.1);
+	EXPECT_NEAR(energy(patch.stiffness, x), 0, 1e-9);
+	EXPECT_LT(energy(patch.stiffness, aboutY), 0.01 * energy(K, aboutY));
+	EXPECT_NEAR(energy(patch.stiffness, aboutAxis), 0, 1e-4 * energy(K, aboutY));
+	for (const ist::Twist& u : {z, aboutX}) EXPECT_NEAR(energy(patch.stiffness, u), energy(K, u), 1e-9 * energy(K, u));
+
+	// A hundred times the step: what explicit steps may do is shared among the patches.
+	for (const int patches : {1, 4})
+	{
+		btContactPatch stiff;
+		stiff.normal = {0, 0, 1};
+		stiff.stiffness = K;
+		leaveOutSliding(stiff, W, patches, 100 * kStep);
+		const ist::Wrench q = K * x;
+		const double lambda = 1e4 * kStep * kStep * energy(W, {q.force, q.torque}) / energy(K, x);
+		ASSERT_GT(lambda, 1);
+		EXPECT_NEAR(energy(stiff.stiffness, x), (1 - 1 / (patches * lambda)) * energy(K, x), 1e-9 * energy(K, x));
+	}
+
+	patch.stiffness = hollow(1e8);
+	const ist::SymmetricMatrix6 flat = patch.stiffness;
+	leaveOutSliding(patch, W, 1, kStep);
+	for (int i = 0; i < 21; ++i) EXPECT_EQ(patch.stiffness.m[i], flat.m[i]);
+}
+
 TEST(ContactLaw, ExertsNothingWithoutForce)
 {
 	btISTContact contact = onHalfSpace(cube(), {0, 1, 0}, -2, {});
