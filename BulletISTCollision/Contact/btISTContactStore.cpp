@@ -17,8 +17,9 @@ namespace
 // Mean depth at which bodies rest, as a share of their size. The deepest point of a ball is twice as deep, that of a cone three times.
 constexpr double kDepthPerSize = 3e-4;
 constexpr double kSizePerThickness = 3;  // of a cube
-// Contact that is shallower than the errors of the surfaces feels them as bumps.
-constexpr double kDepthPerError = 2;
+// Contact that is shallower than the errors of the surfaces feels them as bumps. It is deeper for them, but no deeper than the larger of
+// these.
+constexpr double kDepthPerError = 2, kDepthOnBumpsPerSize = 2e-3, kDepthOnBumpsPerThickness = 5e-3;
 // Largest mean depth that a weight may reach.
 constexpr double kMostDepthPerSize = 5e-3, kMostDepthPerThickness = 0.05;
 // Depth to which the weight alone presses a pair before it is known what else presses, and where. In a tight fit nothing presses, and a
@@ -78,8 +79,9 @@ double aimedDepth(const btISTContact& contact, double size)
 				 most = std::min(kMostDepthPerSize * size, kMostDepthPerThickness * contact.thickness());
 	if (!pressesByLeaves(contact))
 	{
-		const double error = std::hypot(depthError(contact.treeA.get()), depthError(contact.treeB.get()));
-		return std::min(std::max(depth, kDepthPerError * error), most);
+		const double error = std::hypot(depthError(contact.treeA.get()), depthError(contact.treeB.get())),
+					 mostOnBumps = std::max(kDepthOnBumpsPerSize * size, kDepthOnBumpsPerThickness * contact.thickness());
+		return std::min(std::max(depth, std::min(kDepthPerError * error, mostOnBumps)), most);
 	}
 	const double gap = contact.treeA->errorLength() + (contact.treeB ? contact.treeB->errorLength() : 0);
 	return std::min(std::max(gap, kLeastDepthOfLeaves * size), most);
