@@ -25,12 +25,14 @@ constexpr double kSpare = 4;   // k may stay so many times stiffer than needed; 
 // A contact is clamped if k has grown by this factor while the overlap has changed by less than this share, and twice so: the first time,
 // the bodies may have moved while k grew. k waits so long for an overlap that is slow [s].
 constexpr double kJudgedGrowth = 2, kClampedChange = 0.2, kJudgedTime = 0.1;
-constexpr double kDepthOfStep = 2e-3;    // share of the thinner body that the way of a step may take
-constexpr double kDepthOfImpact = 0.1;   // share of it that stopping a body may take in all
-constexpr double kRolledPerRadius = 2;   // shares of force times height that rolling by one friction radius leaves out of the stiffness
-constexpr double kDampedRolling = 0.5;   // share of that which is left out of the damping; all of it would let an egg tumble on at 60 Hz
-constexpr double kAreaOfImpact = 0.1;    // area on which it stops, at least, as a share of the smaller surface: it grows as it sinks in
-constexpr double kMostExplicit = 1;      // square of the phase in a step up to which steps are explicit in what slides
+constexpr double kDepthOfStep = 2e-3;   // share of the thinner body that the way of a step may take
+constexpr double kDepthOfImpact = 0.1;  // share of it that stopping a body may take in all
+constexpr double kRolledPerRadius = 2;  // shares of force times height that rolling by one friction radius leaves out of the stiffness
+constexpr double kDampedRolling = 0.5;  // share of that which is left out of the damping; all of it would let an egg tumble on at 60 Hz
+constexpr double kAreaOfImpact = 0.1;   // area on which it stops, at least, as a share of the smaller surface: it grows as it sinks in
+// Square of the phase in a step up to which steps are explicit in what slides. In a hand's tick a tool may have no momentum (a static
+// coupling), which is stable below 1 only.
+constexpr double kMostExplicit = 1, kMostExplicitInTick = 0.5;
 constexpr double kFlatStiffness = 1e-9;  // across the normal, as a share of that along it: a patch is flat within single precision
 
 double traceOfForces(const ist::SymmetricMatrix6& K) { return K(0, 0) + K(1, 1) + K(2, 2); }
@@ -334,6 +336,7 @@ void leaveOutSliding(btContactPatch& patch, const ist::SymmetricMatrix6& respons
 	ist::completeFrame(patch.normal, u, v);
 	const ist::PlaneAxes axes(along(u, u), along(v, v), along(u, v));
 	const double c = std::cos(axes.angle), s = std::sin(axes.angle), leastCurved = kFlatStiffness * along(patch.normal, patch.normal);
+	const double mostExplicit = h < 1.5 * kTick ? kMostExplicitInTick : kMostExplicit;
 	for (const ist::Vec3& t : {c * u + s * v, c * v - s * u})
 	{
 		const ist::Wrench held = K * ist::Twist{t, {}};
@@ -345,7 +348,7 @@ void leaveOutSliding(btContactPatch& patch, const ist::SymmetricMatrix6& respons
 			for (int j = 0; j < 6; ++j) yields += q[i] * response(std::min(i, j), std::max(i, j)) * q[j];
 		const double lambda = h * h * yields / stiffness;
 		if (!(lambda > 0) || !std::isfinite(lambda)) continue;
-		const double share = std::min(1.0, kMostExplicit / (patches * lambda)) / stiffness;
+		const double share = std::min(1.0, mostExplicit / (patches * lambda)) / stiffness;
 		for (int i = 0; i < 6; ++i)
 			for (int j = i; j < 6; ++j) K(i, j) -= share * q[i] * q[j];
 	}

@@ -49,10 +49,10 @@ void leaveOutRolling(btContactPatch& patch, const btISTContact& contact, double 
 ///
 /// K' = K - min(1, c / lambda) q q^T / (t . q), with q = K t, for the two principal directions t of K across the normal.
 /// - K' stays positive semidefinite. Motions that K does not resist, K' does not resist either.
-/// - lambda = h^2 (q . W q) / (t . q), with `response` W, which gives the relative twist at the patch's point by an impulse there. It is
-/// the
-///   square of the phase of that spring alone in a step; explicit steps are stable below 4.
-/// - c = 1 / `patches`, the number of patches of the body that has more of them.
+/// - lambda = h^2 (q . W q) / (t . q) is the square of the phase of that spring alone in a step. `response`: W, the relative twist at the
+///   patch's point by a unit impulse there.
+/// - c = 1 / `patches`, the number of patches of the body that has more of them; half of that in steps up to 1.5 ms. Explicit steps are
+///   stable below lambda = 4, and below 1 for a hand's tool whose momentum is cleared in each step (a static coupling).
 /// Flat patches stay as they are. Cost: O(1).
 void leaveOutSliding(btContactPatch& patch, const ist::SymmetricMatrix6& response, int patches, double h);
 /// 1 / H for one body [1/m]. `center`: of its mass. `side`: 1 for A, -1 for B. Infinite for a centre that does not stand above the patch.

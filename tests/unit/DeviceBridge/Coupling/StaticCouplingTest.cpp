@@ -2,6 +2,7 @@
 #include "DeviceBridge/Bullet/BulletContactSource.h"
 #include "DeviceBridge/Drivers/Simulated/SimulatedDevice.h"
 #include "DeviceBridge/Loop/SteppingThread.h"
+#include "tests/unit/BoredMesh.h"
 #include "tests/unit/CountingAllocator.h"
 #include "tests/unit/DeviceBridge/Coupling/StaticCouplingRig.h"
 
@@ -295,6 +296,50 @@ TEST(StaticCoupling, TheWorldInTheTickBalancesAlike)
 	EXPECT_LT(worst, 1e-4);
 	EXPECT_GT(force, 1);
 	EXPECT_NEAR(1e7 * scene.step.overlapVolume, force, 0.03 * force);
+}
+
+// A ball that is pressed into a hollow is pushed back to the bottom of it, with the stiffness F / (R - r) up to a few times that of the
+// coupling. The step is partly explicit in it, and the tool has no momentum: it would ring if that part were as stiff as the coupling.
+TEST(StaticCoupling, WhatIsPressedIntoAHollowDoesNotRing)
+{
+	for (const double play : {5e-4, 1e-3, 2e-3, 4e-3})
+	{
+		SCOPED_TRACE(play);
+		const auto tree = keptTree(
+			boredMesh(kBallRadius + play, {0.05}, 0.05, 256), ("hollow_" + std::to_string(int(1e4 * play)) + ".ist").c_str());
+		btISTWorld world;
+		btSphereShape shape{btScalar(kBallRadius)}, hollowShape{btScalar(0.05)};
+		const btISTAttachment ball = std::move(world.attach(&shape, ballTree())).value(),
+							  around = std::move(world.attach(&hollowShape, tree)).value();
+		btRigidBody tool(Hand::info(shape, {0, 0, 0})), hollow(btRigidBody::btRigidBodyConstructionInfo(0, nullptr, &hollowShape));
+		tool.setFriction(0);
+		world.bullet().addRigidBody(&tool);
+		world.bullet().addRigidBody(&hollow);
+		BulletToolSettings settings;
+		settings.gains = staticSettings().gains;
+		BulletContactSource source(world, tool, settings);
+		DeviceState hand;
+		ToolStep step;
+		double largest = 0;
+		Vec3 before, change;
+		// Down to 6 N, and then aside by 1 mm: the stiffness across the way grows from nothing to its largest.
+		for (int i = 0; i < 900; ++i)
+		{
+			hand.twist.linear = {i >= 500 && i < 600 ? 0.01 : 0, i < 500 ? -(play + 6e-3) / 0.5 : 0, 0};
+			hand.X_WH.translation += kTick * hand.twist.linear;
+			source.advance(kTick, hand, step);
+			const Vec3 now = step.coupling.force - before;
+			if (i > 100) largest = std::max(largest, norm(now - change));
+			change = now;
+			before = step.coupling.force;
+		}
+		const double force = norm(step.coupling.force);
+		EXPECT_GT(force, 5);
+		EXPECT_LT(largest, 0.2);
+		EXPECT_LT(norm(change), 1e-3 * force);
+		world.bullet().removeRigidBody(&tool);
+		world.bullet().removeRigidBody(&hollow);
+	}
 }
 
 TEST(StaticCoupling, TheWeightThatIsFeltIsThatOfTheTool)
