@@ -112,6 +112,33 @@ const Solid& dice()
 	return solid;
 }
 
+/// Period of a body whose centre swings by `angle` around the axis of the pipe, `arm` below it [s]. `inertia` is that with which it turns,
+/// over its mass and per turn around the axis [m^2].
+double periodOf(double arm, double inertia, double angle)
+{
+	return 2 * std::numbers::pi * std::sqrt((arm * arm + inertia) / (arm * kGravity)) * (1 + angle * angle / 16);
+}
+
+struct Swing
+{
+	double highest = 0, at = 0;  ///< largest angle around the axis of the pipe [rad], and its time [s]
+};
+
+/// The swing that ends after so many periods.
+Swing swingAfter(double periods, double period, Scene& scene, const btRigidBody* body, double rate)
+{
+	Swing swing;
+	for (double time = 0; time < (periods + 0.25) * period;)
+	{
+		scene.step(1 / rate);
+		time += 1 / rate;
+		const Vec3 p = vec(body->getWorldTransform().getOrigin());
+		const double angle = std::atan2(p.x, -p.y);
+		if (time > (periods - 0.25) * period && angle > swing.highest) swing = {angle, time};
+	}
+	return swing;
+}
+
 /// Distance of the centre of a cube from the axis that stands with two edges on the inside of the pipe.
 double onTwoEdges() { return std::sqrt(kPipe * kPipe - kSmall * kSmall) - kSmall; }
 }  // namespace
@@ -166,16 +193,8 @@ TEST(Sliding, WithoutFrictionABodySwingsAroundAPipe)
 		body->setFriction(0);
 		// A ball does not turn, a cube turns as it swings.
 		const double perMass = isBall ? 0 : inertia / kSmallMass;
-		const double period = 2 * std::numbers::pi * std::sqrt((arm * arm + perMass) / (arm * kGravity)) * (1 + kAngle * kAngle / 16);
-		double highest = 0, at = 0, time = 0;
-		while (time < 1.25 * period)
-		{
-			scene.step(1 / kRate);
-			time += 1 / kRate;
-			const Vec3 p = vec(body->getWorldTransform().getOrigin());
-			const double angle = std::atan2(p.x, -p.y);
-			if (time > 0.75 * period && angle > highest) highest = angle, at = time;
-		}
+		const double period = periodOf(arm, perMass, kAngle);
+		const auto [highest, at] = swingAfter(1, period, scene, body, kRate);
 		EXPECT_NEAR(at, period, 0.02 * period);
 		EXPECT_GT(highest, 0.96 * kAngle);
 		EXPECT_LT(highest, 1.001 * kAngle);
@@ -211,17 +230,9 @@ TEST(Sliding, WithNothingSetWhatSwingsInAPipeKeepsItsAngle)
 		btRigidBody* body = scene.add(
 			scene.volumetricShape(c.solid), kSmallMass, c.inertia, at({arm * std::sin(kAngle), -arm * std::cos(kAngle), 0}));
 		body->setFriction(btScalar(c.friction));
-		const double rolls = c.friction > 0 ? c.inertia / (kSmallMass * c.radius * c.radius) : 0;
-		const double period = 2 * std::numbers::pi * std::sqrt(arm * (1 + rolls) / kGravity) * (1 + kAngle * kAngle / 16);
-		double highest = 0, at = 0, time = 0;
-		while (time < 5.25 * period)
-		{
-			scene.step(1 / c.rate);
-			time += 1 / c.rate;
-			const Vec3 p = vec(body->getWorldTransform().getOrigin());
-			const double angle = std::atan2(p.x, -p.y);
-			if (time > 4.75 * period && angle > highest) highest = angle, at = time;
-		}
+		const double turns = c.friction > 0 ? arm / c.radius : 0;  // per turn around the axis
+		const double period = periodOf(arm, turns * turns * c.inertia / kSmallMass, kAngle);
+		const auto [highest, at] = swingAfter(5, period, scene, body, c.rate);
 		std::printf("  %s, %.0f Hz: %.3f of the angle after five periods, %.4f of the period\n", c.name, c.rate, highest / kAngle,
 			at / (5 * period));
 		EXPECT_NEAR(at, 5 * period, 0.05 * period);

@@ -122,25 +122,19 @@ TEST(SymmetricEigen, TakesMatricesOfEverySizeAndSparsity)
 TEST(SymmetricEigen, TakesEntriesThatFadeDownToTheSmallestNumbers)
 {
 	std::mt19937 random(3);
-	std::uniform_real_distribution<double> exponent(-323, 0), sign(-1, 1);
-	for (int i = 0; i < 20'000; ++i)
-	{
-		Matrix<6> a;
-		for (int r = 0; r < 6; ++r)
-			for (int c = r; c < 6; ++c) a[r][c] = a[c][r] = std::copysign(std::pow(10, exponent(random)), sign(random));
-		expectDecomposed<6>(a);
-		if (HasFailure()) return;
-	}
+	std::uniform_real_distribution<double> anySize(-323, 0), sign(-1, 1);
 	std::uniform_real_distribution<double> belowRoots(-170, -155);  // their squares underflow, in part or wholly
-	for (int i = 0; i < 20'000; ++i)
-	{
-		Matrix<6> a = {};
-		for (int r = 0; r < 6; ++r)
-			for (int c = r; c < 6; ++c) a[r][c] = a[c][r] = std::copysign(std::pow(10, belowRoots(random)), sign(random));
-		a[i % 6][i % 6] = 1;
-		expectDecomposed<6>(a);
-		if (HasFailure()) return;
-	}
+	for (const bool hasOne : {false, true})
+		for (int i = 0; i < 20'000; ++i)
+		{
+			auto& exponent = hasOne ? belowRoots : anySize;
+			Matrix<6> a;
+			for (int r = 0; r < 6; ++r)
+				for (int c = r; c < 6; ++c) a[r][c] = a[c][r] = std::copysign(std::pow(10, exponent(random)), sign(random));
+			if (hasOne) a[i % 6][i % 6] = 1;
+			expectDecomposed<6>(a);
+			if (HasFailure()) return;
+		}
 }
 
 TEST(SymmetricEigen, RefusesWhatIsNotFinite)

@@ -82,8 +82,8 @@ TEST_F(SurfaceOverlapTest, ALyingCylinderHasTheForceOfItsSegment)
 	}
 }
 
-// The same slivers, where no body is flat: two parallel cylinders side by side, of radii r and R, share 4/3 d sqrt(2 d r R / (r + R)) of
-// their length. Without a look at what may be missing, a quarter of it was found.
+// Two parallel cylinders side by side, of radii r and R, share 4/3 d sqrt(2 d r R / (r + R)) of their length. They have the same slivers,
+// and neither is flat. A quarter of the volume was found before missing slivers were looked for.
 TEST_F(SurfaceOverlapTest, ParallelCylindersShareTheirLens)
 {
 	constexpr double kRadius = 0.05, kOther = 0.2, kLength = 0.1, kDepth = 3e-5;
